@@ -39,7 +39,8 @@ struct Replica {
 
 impl Replica {
     fn start(seed: &'static str) -> Self {
-        let ((go, requests), (finished, done)) = (channel(), channel());
+        let (go, requests) = channel();
+        let (finished, done) = channel();
         std::thread::spawn(move || {
             let mut simulation = settled(seed, 1);
             while requests.recv().is_ok() {

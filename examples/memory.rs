@@ -12,7 +12,8 @@ use std::time::Instant;
 /// Returns GB/s of reading an array of `doubles` numbers, and of adding another array to it (24 B each), over about a
 /// GiB.
 fn bandwidth(doubles: usize) -> [f64; 2] {
-    let (mut a, b) = (vec![1.0f64; doubles], vec![2.0f64; doubles]);
+    let mut a = vec![1.0f64; doubles];
+    let b = vec![2.0f64; doubles];
     let rounds = (1 << 27) / doubles;
     let rate = |bytes: usize, start: Instant| (rounds * doubles * bytes) as f64 / start.elapsed().as_secs_f64() / 1e9;
     let start = Instant::now();
@@ -47,7 +48,8 @@ fn latency(lines: usize) -> f64 {
     for (i, &place) in order.iter().enumerate() {
         next[place][0] = order[(i + 1) % lines];
     }
-    let (mut at, reads) = (0, 3_000_000);
+    let mut at = 0;
+    let reads = 3_000_000;
     let start = Instant::now();
     for _ in 0..reads {
         at = next[at][0];

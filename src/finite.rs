@@ -62,7 +62,8 @@ impl<V: Space> FiniteCheck<'_, V> {
             } else {
                 continue;
             };
-            let (grain, cause) = (self.store.id[i], self.cause(i));
+            let grain = self.store.id[i];
+            let cause = self.cause(i);
             self.outcome.fail(Failure::NotFinite { step, grain, quantity, cause });
             return;
         }
@@ -74,7 +75,8 @@ impl<V: Space> FiniteCheck<'_, V> {
         if store.added.get(i).is_some_and(|added| !added.is_finite()) {
             "a behaviour has added a force that is not finite".to_owned()
         } else if !store.loads.force.of(i).is_finite() {
-            let (mass, radius) = (1.0 / store.body[i].inverse_mass, store.body[i].radius);
+            let mass = 1.0 / store.body[i].inverse_mass;
+            let radius = store.body[i].radius;
             let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
             let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));
             format!(

@@ -117,7 +117,8 @@ fn watch_paths<V: Space>(
     }
     let times = [states.checked_at, clock.time()];
     (states.checked_at, states.wall_travel) = (clock.time(), walls.travel());
-    let (mut longest, mut lowest) = (0.0f64, f64::INFINITY);
+    let mut longest = 0.0f64;
+    let mut lowest = f64::INFINITY;
     let limit_squared = (0.25 * enclosure.smallest_radius).powi(2);
     let walls_move = walls.move_in_time();
     let is_open = |number: u16| doors.as_ref().is_some_and(|doors| doors.lets_pass(number, times[0]));

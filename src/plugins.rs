@@ -65,7 +65,8 @@ pub(crate) fn add_all<V: Engine>(
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
     paths: AddPaths,
 ) {
-    let (scene, space) = (&loaded.scene, PhantomData::<V>);
+    let scene = &loaded.scene;
+    let space = PhantomData::<V>;
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let own_contacts = behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law());
@@ -137,7 +138,8 @@ pub(crate) fn add_all<V: Engine>(
         app.add("spawner", SpawnerPlugin { config, mass, seed: scene.seed, first_id, space });
     }
     if let Some(mass) = scene.mass.filter(|_| !scene.feed.is_empty()) {
-        let (first_id, inertia) = (loaded.first_free_id(), scene.contact.spins().then(|| loaded.inertia()));
+        let first_id = loaded.first_free_id();
+        let inertia = scene.contact.spins().then(|| loaded.inertia());
         app.add("feed", FeedPlugin { feeds: scene.feed.clone(), mass, inertia, seed: scene.seed, first_id, space });
     }
     if let Some(rest) = scene.rest {
@@ -167,7 +169,8 @@ pub(crate) fn add_all<V: Engine>(
 
 /// Adds what opens doors, moves walls and removes them.
 fn add_doors_and_motions<V: Space>(app: &mut Assembly, loaded: &Loaded, has_behaviours: bool) {
-    let (scene, space) = (&loaded.scene, PhantomData::<V>);
+    let scene = &loaded.scene;
+    let space = PhantomData::<V>;
     let doors = scene.door_controls();
     if let Some((_, key, _)) = doors.first() {
         let controls = doors.iter().map(|(number, _, control)| (*number, control.clone())).collect();
@@ -207,7 +210,8 @@ pub(crate) type AddPaths = fn(&mut Assembly, &Loaded);
 /// Adds the check of grain paths in the plane. The key is the silo file, or else the scene's walls.
 pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-    let (walls, surfaces) = (loaded.wall_discs(), loaded.still_surfaces());
+    let walls = loaded.wall_discs();
+    let surfaces = loaded.still_surfaces();
     if walls.is_empty() && !loaded.scene.walls.iter().any(Wall::is_surface) {
         return;
     }

@@ -74,7 +74,8 @@ fn detect<V: Space>(
 
 fn is_quiet<V: Space>(motion: &Motion<V>, thresholds: &Rest, g: f64) -> bool {
     let speed_limit = thresholds.speed.get().powi(2) * g;
-    let (mut kinetic, mut scale) = (0.0, 0.0);
+    let mut kinetic = 0.0;
+    let mut scale = 0.0;
     for grain in motion.grains() {
         if motion.velocity(grain).length_squared() > speed_limit * motion.radius(grain) {
             return false;

@@ -198,7 +198,8 @@ fn check<V: Space>(
     if matches!(outcome.end(), Some(End::Failed(_))) {
         return;
     }
-    let (survey, ratio) = (survey_param.survey(), largest.0);
+    let survey = survey_param.survey();
+    let ratio = largest.0;
     let uncertain = DEVIATIONS * error.standard() + error.pending();
     if state.needs_report(ratio) {
         state.has_warned = true;
@@ -221,7 +222,8 @@ fn check<V: Space>(
 fn round_off<V: Space>(survey: &Survey<V>, steps: u64) -> f64 {
     let store = survey.store;
     let in_a_step = |i: usize| {
-        let (body, reduced_mass) = (&store.body[i], store.mass[i]);
+        let body = &store.body[i];
+        let reduced_mass = store.mass[i];
         let depth = 4.0 * f64::EPSILON * (body.position.length() + body.radius);
         // The speed v of an impact that is so deep, v = w0(v) d. It converges fast, because w0 hardly depends on v, for Hertz as v^(1/5).
         let speed = (0..8).fold(depth, |speed, _| {
@@ -244,7 +246,8 @@ fn energy_failure<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, p
         speed(a).total_cmp(&speed(b))
     })?;
     let speed_m_s = store.body[fastest].velocity.length();
-    let (reduced_mass, reduced_radius) = (store.mass[fastest], store.body[fastest].radius);
+    let reduced_mass = store.mass[fastest];
+    let reduced_radius = store.body[fastest].radius;
     let stiffness = clock.dt * survey.law.frequency(&Bounce { reduced_mass, reduced_radius, speed: speed_m_s });
     let grain = store.id[fastest];
     Some(Failure::EnergyGrew { step: clock.steps, grain, speed_m_s, created_j, put_in_j, stiffness })
@@ -271,7 +274,8 @@ fn check_overlap<V: Space>(survey: &Survey<V>, clock: &Clock, ratio: f64, limit:
 
 /// Returns the grain of the deepest present contact, and its partner in words.
 fn deepest<V: Space>(survey: &Survey<V>) -> Option<(GrainId, String)> {
-    let (mut deepest, mut contact) = (0.0, None);
+    let mut deepest = 0.0;
+    let mut contact = None;
     survey.contacts(|i, partner, pair, _| {
         let ratio = pair.overlap / pair.radii[0].min(pair.radii[1]);
         if ratio > deepest {

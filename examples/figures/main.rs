@@ -84,7 +84,8 @@ fn free_fall() -> String {
         steps
             .iter()
             .map(|&n| {
-                let (end, truth) = (path(integrator, n)[n as usize], exact(1.0));
+                let end = path(integrator, n)[n as usize];
+                let truth = exact(1.0);
                 let error = (end.0 - truth.0).hypot(end.1 - truth.1);
                 (1.0 / f64::from(n), error.max(1e-16))
             })
@@ -110,7 +111,8 @@ fn free_fall() -> String {
 /// Returns the rms error of the restitution of a bounce over 40 phases, with `n` steps per contact.
 fn bounce_error(e: f64, n: f64) -> f64 {
     const PHASES: u32 = 40;
-    let (k, m) = (1.0e5, 0.08f64);
+    let k = 1.0e5;
+    let m = 0.08f64;
     // exp(-pi zeta/sqrt(1 - zeta^2)) = e, attraction allowed.
     let zeta = -e.ln() / PI.hypot(e.ln());
     let duration = PI / ((k / m).sqrt() * (1.0 - zeta * zeta).sqrt());

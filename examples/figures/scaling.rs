@@ -16,7 +16,8 @@ fn rows(table: &str, method: &str) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let headers = reader.headers()?.clone();
     let place = |name: &str| headers.iter().position(|header| header == name).ok_or(format!("no column {name}"));
-    let (kind, places) = (place("method")?, [place("count")?, place("ns")?, place("bytes")?]);
+    let kind = place("method")?;
+    let places = [place("count")?, place("ns")?, place("bytes")?];
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record?;
@@ -48,7 +49,8 @@ fn curves(name: &str, number: usize, points: Vec<(f64, f64)>, bound: f64) -> Vec
 /// Draws the figure.
 pub fn figure() -> Result<String, Box<dyn Error>> {
     let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/speed/scaling.csv"))?;
-    let (grains, sites) = (rows(&table, "grains")?, rows(&table, "lattice")?);
+    let grains = rows(&table, "grains")?;
+    let sites = rows(&table, "lattice")?;
     let panel = |title, label, value: fn(&Row) -> f64, bound| {
         let points = |rows: &[Row]| rows.iter().map(|row| (row.0, value(row))).collect::<Vec<_>>();
         let mut all = curves("grains: settled bed, plane, no friction", 1, points(&grains), bound);

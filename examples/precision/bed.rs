@@ -54,7 +54,8 @@ fn steps(time: f64) -> u64 {
 fn settled() -> Vec<Disc> {
     let pitch = SIDE / f64::from(COLUMNS);
     let disc = |i: u32| {
-        let (column, row) = (f64::from(i % COLUMNS), f64::from(i / COLUMNS));
+        let column = f64::from(i % COLUMNS);
+        let row = f64::from(i / COLUMNS);
         Disc {
             x: [pitch * (column + 0.5 * (row % 2.0) + 0.25), RADIUS * (1.0 + 3.0f64.sqrt() * row)],
             v: [0.0; 2],
@@ -84,7 +85,8 @@ impl Measure for Bed<'_> {
         let mut bed = self.set::<N>(self.offset);
         let figure = match self.quantity {
             Quantity::Force => {
-                let (exact, here) = (self.set::<Double>(0.0).forces(), bed.forces());
+                let exact = self.set::<Double>(0.0).forces();
+                let here = bed.forces();
                 let force = |pair| here.iter().find(|other| other.0 == pair).map_or(0.0, |other| other.1);
                 rms(exact.iter().map(|&(pair, exact)| force(pair) - exact)) / self.mean_force()
             }

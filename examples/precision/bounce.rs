@@ -63,7 +63,8 @@ pub fn rows(print_line: &mut impl FnMut(String)) {
             let steps = n + std::f64::consts::PI / 8.0;
             let plain = Bounce { e, steps, scheme: Scheme::Plain, offset: 0.0 };
             let averaged = Bounce { scheme: Scheme::Averaged, ..plain };
-            let (of_plain, of_averaged) = (plain.error(), averaged.error());
+            let of_plain = plain.error();
+            let of_averaged = averaged.error();
             for offset in OFFSETS {
                 let case = format!("bounce, e = {e}, t_c/{n} (plain: {of_plain:.1e})");
                 print_line(row(&case, offset, Some(of_averaged), &Bounce { offset, ..averaged }));

@@ -36,7 +36,8 @@ pub struct Setting {
 
 /// Returns the damping coefficient (N s/m) and the contact duration (s) of two grains with restitution `e`.
 pub fn damping(e: f64) -> (f64, f64) {
-    let (reduced, decrement) = (0.5 * MASS, -e.ln());
+    let reduced = 0.5 * MASS;
+    let decrement = -e.ln();
     let frequency = (STIFFNESS / reduced).sqrt();
     let zeta = decrement / std::f64::consts::PI.hypot(decrement);
     (2.0 * zeta * (STIFFNESS * reduced).sqrt(), std::f64::consts::PI / (frequency * (1.0 - zeta * zeta).sqrt()))
@@ -137,7 +138,8 @@ impl<N: Numbers> Discs<N> {
 
     /// Returns the normal from j to i, and the overlap.
     fn geometry(&self, i: usize, j: usize) -> ([N::Force; 2], N::Force) {
-        let (a, b) = (self.place[i], self.place[j]);
+        let a = self.place[i];
+        let b = self.place[j];
         let separation: [N::Force; 2] = [0, 1].map(|axis| a[axis].apart(b[axis], self.setting.periods[axis]));
         let distance = (separation[0] * separation[0] + separation[1] * separation[1]).root();
         // Rounding may make two centres coincide.
@@ -211,7 +213,8 @@ impl<N: Numbers> Discs<N> {
         self.pairs.clear();
         for i in 0..self.place.len() {
             for j in i + 1..self.place.len() {
-                let (a, b) = (self.place[i], self.place[j]);
+                let a = self.place[i];
+                let b = self.place[j];
                 let d = [0, 1].map(|axis| a[axis].apart::<N::Force>(b[axis], periods[axis]).wide());
                 if d[0] * d[0] + d[1] * d[1] < (2.02 * RADIUS + SKIN).powi(2) {
                     self.pairs.push((i, j));

@@ -65,14 +65,16 @@ impl<S: Real, F: Real> Bed<S, F> {
     fn new(store: u32, rows: u32) -> Self {
         let pitch = 2.0 * RADIUS * 0.999;
         let body = |i: u32| {
-            let (column, row) = (f64::from(i % store), f64::from(i / store));
+            let column = f64::from(i % store);
+            let row = f64::from(i / store);
             let x = [pitch * (column + 0.5 * (row % 2.0)), pitch * 0.75f64.sqrt() * row].map(S::of);
             let v = [0, 1].map(|axis| S::of(0.001 * uniform(axis, u64::from(i))));
             Body { x, v, radius: S::of(RADIUS), inverse_mass: S::of(1.0 / MASS) }
         };
         let mut pairs = Vec::new();
         for i in 0..store * rows {
-            let (column, row) = (i % store, i / store);
+            let column = i % store;
+            let row = i / store;
             if column + 1 < store {
                 pairs.push((i, i + 1));
             }
@@ -165,7 +167,8 @@ impl<S: Real, F: Real> Bed<S, F> {
 #[inline(never)]
 fn compute_forces<F: Real>(chunk: &mut Chunk<F>, stiffness: F, rate: F) {
     for lane in 0..LANES {
-        let (d, v) = ([chunk.d[0][lane], chunk.d[1][lane]], [chunk.v[0][lane], chunk.v[1][lane]]);
+        let d = [chunk.d[0][lane], chunk.d[1][lane]];
+        let v = [chunk.v[0][lane], chunk.v[1][lane]];
         let force = law(d, v, chunk.reach[lane], chunk.reduced[lane], stiffness, rate);
         [chunk.force[0][lane], chunk.force[1][lane]] = force;
     }

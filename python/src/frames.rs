@@ -49,7 +49,8 @@ impl Frames {
 fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
     for column in &table.columns {
-        let (name, components) = (&*column.name, column.components);
+        let name = &*column.name;
+        let components = column.components;
         match &column.values {
             Values::F64(values) => set_column(&columns, name, "<f8", components, values, |x| x.to_le_bytes()),
             Values::I32(values) => set_column(&columns, name, "<i4", components, values, |x| x.to_le_bytes()),

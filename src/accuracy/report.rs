@@ -123,7 +123,8 @@ impl Report {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
         for (entry, row) in self.entries.iter().flat_map(|entry| entry.rows.iter().map(move |row| (entry, row))) {
             let Row { case, scheme, steps_per_contact: n, evaluations_per_contact: cost, pareto, note, .. } = row;
-            let (error, order) = (number(row.error), number(row.order));
+            let error = number(row.error);
+            let order = number(row.order);
             let note = note.as_deref().unwrap_or_default().replace([',', '\n', '"'], ";");
             let reference = entry.reference_error;
             // Writing to a string cannot fail.
@@ -138,7 +139,8 @@ impl Report {
         let mut text = "| case | scheme | order | error at t_c/10 | /20 | /50 | /100 | t_c/dt for 1e-2 | 1e-3 | 1e-4 |\n|---|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
         for entry in &self.entries {
-            let (title, scheme) = (entry.title, &entry.scheme);
+            let title = entry.title;
+            let scheme = &entry.scheme;
             // Writing to a string cannot fail.
             if let Some(why) = &entry.not_for_this_case {
                 let _ = writeln!(text, "| {title} | `{scheme}` | not for this case: {why} | | | | | | | |");
@@ -277,7 +279,8 @@ fn line(entry: &Entry) -> String {
         .iter()
         .map(|price| price.ns_per_grain_and_contact.map_or_else(|| format!("{:>9}", "-"), |ns| format!("{ns:>9.0}")));
     let (steps, times): (Vec<_>, Vec<_>) = (steps.collect(), times.collect());
-    let (steps, times) = (steps.join(" "), times.join(" "));
+    let steps = steps.join(" ");
+    let times = times.join(" ");
     let mut text = String::new();
     for (number, errors) in errors.chunks(4).enumerate() {
         let errors = errors.join("  ");

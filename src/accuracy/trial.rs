@@ -38,7 +38,8 @@ pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f6
             let id =
                 GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "the case has too many grains"))?;
             let position = (answer.start.x[i] + offset(width, copy)).extend(0.0);
-            let (velocity, spin) = (answer.start.v[i].extend(0.0), Solid::Z * answer.start.w[i]);
+            let velocity = answer.start.v[i].extend(0.0);
+            let spin = Solid::Z * answer.start.w[i];
             let row =
                 GrainRow { id, radius: disc.radius, mass: disc.mass, position, velocity, spin, species: Species(0) };
             loaded.grains.push(row);
@@ -79,7 +80,8 @@ fn spacing(answers: &[Answer]) -> f64 {
         let x = |i: usize| (state.x[i].x - first.system.discs[i].radius, state.x[i].x + first.system.discs[i].radius);
         (0..state.x.len()).map(x).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
     };
-    let (before, after) = (ends(&first.start), ends(&first.end));
+    let before = ends(&first.start);
+    let after = ends(&first.end);
     // Three times the width of a copy's exact motion, because an inaccurate scheme may throw grains farther.
     3.0 * (before.1.max(after.1) - before.0.min(after.0))
 }
@@ -115,7 +117,8 @@ fn vector(v: DVec2) -> String {
 /// Returns the keys of the floors. All copies share the floors at rest. Every copy has a piece of its own of a floor that vibrates, because
 /// the copies begin at different phases. `width` is the distance of the copies, m.
 fn floors(answers: &[Answer], width: f64) -> String {
-    let (mut walls, mut motions) = (String::new(), String::new());
+    let mut walls = String::new();
+    let mut motions = String::new();
     for Floor { point, normal, .. } in
         answers.first().into_iter().flat_map(|answer| &answer.system.floors).filter(|floor| floor.vibration.is_none())
     {
@@ -127,8 +130,9 @@ fn floors(answers: &[Answer], width: f64) -> String {
             let Some(Vibration { amplitude, frequency }) = floor.vibration else { continue };
             let middle = floor.point + floor.motion(answer.began)[0] + offset(width, copy);
             let [from, to] = [-0.5, 0.5].map(|share| vector(middle + floor.normal.perp() * share * width));
-            let (name, amplitude, phase) =
-                (format!("{copy} {number}"), vector(amplitude), TAU * frequency * answer.began);
+            let name = format!("{copy} {number}");
+            let amplitude = vector(amplitude);
+            let phase = TAU * frequency * answer.began;
             let _ = write!(walls, "Segment(from: {from}, to: {to}, name: \"{name}\"), ");
             let _ = write!(
                 motions,
@@ -146,7 +150,9 @@ fn scene_text(system: &System, floors: &str, scheme: &Scheme, dt: f64, until: f6
         Law::Linear { k, e, attracts, friction } => {
             let attraction = if attracts { "Allowed" } else { "Forbidden" };
             let friction = friction.map_or_else(String::new, |f| {
-                let (k, share, mu) = (f.k, f.share, f.mu);
+                let k = f.k;
+                let share = f.share;
+                let mu = f.mu;
                 let rolling = f.rolling.map_or_else(String::new, |Rolling { k, b, mu }| {
                     format!(", rolling: (k: {k:?}, damping: B({b:?}), friction: {mu:?})")
                 });

@@ -29,7 +29,8 @@ pub fn order_of_all(points: &[(f64, f64)]) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "a small number")]
     let count = logs.len() as f64;
     let mean = logs.iter().fold((0.0, 0.0), |sum, log| (sum.0 + log.0 / count, sum.1 + log.1 / count));
-    let (mut above, mut below) = (0.0, 0.0);
+    let mut above = 0.0;
+    let mut below = 0.0;
     for (x, y) in logs {
         above += (x - mean.0) * (y - mean.1);
         below += (x - mean.0).powi(2);

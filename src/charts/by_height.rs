@@ -29,7 +29,8 @@ pub(super) fn bands(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
     for number in numbers(&tables, "bands") {
         for (column, title, label) in BANDS {
             let curves = tables.iter().filter_map(|(place, table)| {
-                let (low, high) = (table.numbers("low_m")?, table.numbers("high_m")?);
+                let low = table.numbers("low_m")?;
+                let high = table.numbers("high_m")?;
                 let heights: Vec<_> = low.iter().zip(&high).map(|(low, high)| 0.5 * (low + high)).collect();
                 let rows = last_rows(table, "bands", &number)?;
                 let values = table.numbers(column)?;
@@ -130,7 +131,8 @@ fn numbered(title: &str, number: &str, tables: &[(usize, Table)], column: &str) 
 
 /// Returns the rows of an entry in its last averaging time.
 pub(super) fn last_rows(table: &Table, column: &str, number: &str) -> Option<Vec<usize>> {
-    let (entries, ends) = (table.texts(column)?, table.numbers("to_s")?);
+    let entries = table.texts(column)?;
+    let ends = table.numbers("to_s")?;
     let of_entry = || (0..table.len()).filter(|&row| entries[row] == number);
     let last = of_entry().map(|row| ends[row]).fold(f64::NEG_INFINITY, f64::max);
     Some(of_entry().filter(|&row| ends[row] >= last).collect())

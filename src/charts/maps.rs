@@ -30,7 +30,10 @@ fn of_flow(table: &Table, unit: &str, title: &dyn Fn(&str) -> String) -> Option<
     let velocity = |axis: &str| {
         table.numbers(&format!("v{axis}_m_per_s")).or_else(|| table.numbers(&format!("v{axis}_m_per_step")))
     };
-    let (x, y, vx, vy) = (table.numbers("x_m")?, table.numbers("y_m")?, velocity("x")?, velocity("y")?);
+    let x = table.numbers("x_m")?;
+    let y = table.numbers("y_m")?;
+    let vx = velocity("x")?;
+    let vy = velocity("y")?;
     let counts = table.numbers("count")?;
     let samples = (0..table.len()).filter(|&row| counts[row] > 0.0).map(|row| (x[row], y[row], vx[row].hypot(vy[row])));
     map(&samples.collect::<Vec<_>>(), title("Mean speed"), format!("speed, {unit}"), ["x, m", "y, m"])
@@ -82,13 +85,16 @@ fn of_fields(table: &Table, title: &dyn Fn(&str) -> String) -> Vec<Panel> {
 /// Returns a map; `None` if there is no value.
 fn map(samples: &[Sample], title: String, label: String, [across, up]: [&'static str; 2]) -> Option<Panel> {
     let seen: Vec<_> = samples.iter().copied().filter(|sample| sample.2.is_finite()).collect();
-    let (xs, ys) = (edges(seen.iter().map(|sample| sample.0)), edges(seen.iter().map(|sample| sample.1)));
+    let xs = edges(seen.iter().map(|sample| sample.0));
+    let ys = edges(seen.iter().map(|sample| sample.1));
     let ends = |edges: &[(f64, f64, f64)]| Some((edges.first()?.1, edges.last()?.2));
-    let ((x0, x1), (y0, y1)) = (ends(&xs)?, ends(&ys)?);
+    let (x0, x1) = ends(&xs)?;
+    let (y0, y1) = ends(&ys)?;
     let scale = Axis::around(label, seen.iter().map(|sample| sample.2).chain([0.0]));
     let cell_of = |edges: &[(f64, f64, f64)], at: f64| edges[edges.partition_point(|edge| edge.0 < at)];
     let cells = seen.iter().map(|&(x, y, value)| {
-        let ((_, left, right), (_, bottom, top)) = (cell_of(&xs, x), cell_of(&ys, y));
+        let (_, left, right) = cell_of(&xs, x);
+        let (_, bottom, top) = cell_of(&ys, y);
         let colour = viridis((value - scale.from) / (scale.to - scale.from));
         Cell { low: (left, bottom), high: (right, top), colour }
     });
@@ -96,7 +102,8 @@ fn map(samples: &[Sample], title: String, label: String, [across, up]: [&'static
     // Equal scales along both axes.
     let wide = 0.5 * ((x1 - x0).max(Panel::ASPECT_WITH_SCALE * (y1 - y0)) - (x1 - x0));
     let high = 0.5 * ((y1 - y0).max((x1 - x0) / Panel::ASPECT_WITH_SCALE) - (y1 - y0));
-    let (x, y) = (Axis::linear(across, x0 - wide, x1 + wide), Axis::linear(up, y0 - high, y1 + high));
+    let x = Axis::linear(across, x0 - wide, x1 + wide);
+    let y = Axis::linear(up, y0 - high, y1 + high);
     Some(Panel { cells, scale: Some(Scale { axis: scale, map: viridis }), ..Panel::new(title, x, y) })
 }
 

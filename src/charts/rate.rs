@@ -26,7 +26,8 @@ impl Fit {
     #[expect(clippy::cast_precision_loss, reason = "few blocks")]
     pub fn of(rows: &[(f64, f64)]) -> Option<Self> {
         let all = rows.last()?.1;
-        let (from, to) = (time_of(rows, 0.1 * all)?, time_of(rows, 0.9 * all)?);
+        let from = time_of(rows, 0.1 * all)?;
+        let to = time_of(rows, 0.9 * all)?;
         if to <= from {
             return None;
         }

@@ -93,7 +93,8 @@ fn describe_meshes(loaded: &Loaded, text: &mut String) {
 
 /// Adds the estimates of a scene of grains. Writing to a string cannot fail.
 fn describe(loaded: &Loaded, text: &mut String) {
-    let (grains, fixed) = (loaded.grains.len(), loaded.fixed.len());
+    let grains = loaded.grains.len();
+    let fixed = loaded.fixed.len();
     #[expect(clippy::cast_precision_loss, reason = "a number of grains")]
     let megabytes = (grains + fixed) as f64 * BYTES_PER_GRAIN / 1e6;
     let _ = writeln!(

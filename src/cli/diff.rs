@@ -120,7 +120,8 @@ fn open(path: &Path, until: Option<f64>) -> Result<AnyScene, Fault> {
 fn end_together(scenes: &mut [AnyScene; 2]) -> f64 {
     match scenes {
         [AnyScene::Grains(a), AnyScene::Grains(b)] => {
-            let (a, b) = (&mut a.scene.until, &mut b.scene.until);
+            let a = &mut a.scene.until;
+            let b = &mut b.scene.until;
             let until = if a.get() < b.get() { *a } else { *b };
             (*a, *b) = (until, until);
             until.get()

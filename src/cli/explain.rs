@@ -160,11 +160,13 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
         let _ = write!(text, "\n  a field in fields.csv, sampled every {} s", field.sample.get());
     }
     if let Some(outflow) = scene.outflow {
-        let (from, to) = (outflow.from.get(), outflow.to.get());
+        let from = outflow.from.get();
+        let to = outflow.to.get();
         let _ = write!(text, "\n  figures of the outflow from {from} to {to} s in summary.json");
     }
     if let Some(flow) = scene.flow {
-        let (from, to) = (100.0 * flow.from.get(), 100.0 * flow.to.get());
+        let from = 100.0 * flow.from.get();
+        let to = 100.0 * flow.to.get();
         let _ = write!(
             text,
             "\n  the mean velocity in cells of {} m, every {} s while {from} to {to} % are out, in flow.csv",

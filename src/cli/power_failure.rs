@@ -202,7 +202,8 @@ fn run_in(out: &Tree) -> Option<Tree> {
 }
 
 fn assert_same(found: &Tree, expected: &Tree, case: &str) {
-    let (found, expected) = (results(found), results(expected));
+    let found = results(found);
+    let expected = results(expected);
     assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>(), "{case}");
     for (path, content) in &expected {
         assert!(found[path] == *content, "{case}: {} differs", path.display());

@@ -234,7 +234,8 @@ impl<V: Space> Outputs<V> {
 }
 
 fn line(world: &World, until: f64, pace: Pace) -> String {
-    let (time, ledger) = (world.resource::<Clock>().time(), world.resource::<Ledger>());
+    let time = world.resource::<Clock>().time();
+    let ledger = world.resource::<Ledger>();
     let kinetic = match Dimension::of_world(world) {
         Dimension::Plane => kinetic::<Plane>(world),
         Dimension::Solid => kinetic::<Solid>(world),
@@ -297,7 +298,8 @@ fn words(summary: &Summary) -> String {
     if let Some(outflow) = &summary.outflow
         && let (Some(number), Some(mass)) = (outflow.rate_per_s, outflow.rate_kg_per_s)
     {
-        let (from, to) = (outflow.from_s, outflow.to_s);
+        let from = outflow.from_s;
+        let to = outflow.to_s;
         let value = format!("{:.1} grains/s, {:.4} kg/s from {from:.2} to {to:.2} s", number.mean, mass.mean);
         line("outflow", value);
     }

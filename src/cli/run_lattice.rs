@@ -144,7 +144,8 @@ fn words(summary: &Summary) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{name:<12} {value}");
     };
-    let (particles, performance) = (&summary.particles, &summary.performance);
+    let particles = &summary.particles;
+    let performance = &summary.performance;
     line(&summary.scene, format!("{}, {} steps of {} sites", summary.status, summary.steps, summary.sites));
     line("particles", format!("{} entered, {} inside, {} out", particles.entered, particles.inside, particles.out));
     let moments =

@@ -65,7 +65,8 @@ fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) ->
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")
     })?;
-    let (count, done) = (cases.len(), AtomicUsize::new(0));
+    let count = cases.len();
+    let done = AtomicUsize::new(0);
     let run = |case: Case| {
         let replica = Replica::run(case, &plan.pictures)?;
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;

@@ -97,7 +97,9 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
                 continue;
             }
         };
-        let (runs, particle_steps, seconds) = (studies.all().count(), studies.particle_steps(), studies.seconds());
+        let runs = studies.all().count();
+        let particle_steps = studies.particle_steps();
+        let seconds = studies.seconds();
         let section = Section { case, form, runs, particle_steps, seconds, judgement };
         if !quiet {
             say(&in_words(&section));

@@ -122,11 +122,13 @@ impl Field {
         let weights: f64 = common.iter().map(|cell| cell.0).sum();
         let mean =
             |value: &dyn Fn(f64, f64) -> f64| common.iter().map(|&(w, a, b)| w * value(a, b)).sum::<f64>() / weights;
-        let (mean_reference, mean_run) = (mean(&|a, _| a), mean(&|_, b| b));
+        let mean_reference = mean(&|a, _| a);
+        let mean_run = mean(&|_, b| b);
         if !(mean_reference > 0.0 && mean_run > 0.0) {
             return Err(Trouble::NotDown);
         }
-        let (u_ref, u) = (|a: f64| a / mean_reference - 1.0, |b: f64| b / mean_run - 1.0);
+        let u_ref = |a: f64| a / mean_reference - 1.0;
+        let u = |b: f64| b / mean_run - 1.0;
         let spreads = mean(&|a, _| u_ref(a).powi(2)).sqrt() * mean(&|_, b| u(b).powi(2)).sqrt();
         Ok(Figures {
             rms: mean(&|a, b| (u(b) - u_ref(a)).powi(2)).sqrt(),

@@ -67,7 +67,8 @@ fn no_discharge(run: &Run) -> Fault {
 fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, Fault> {
     let fields = run.field.as_ref().zip(reference.field.as_ref()).map(|(field, reference_field)| {
         field.against(reference_field, looks).map_err(|trouble| {
-            let (one, other) = (&run.name, &reference.name);
+            let one = &run.name;
+            let other = &reference.name;
             Fault::new("compare::field", format!("{one} and {other}: {trouble}")).help(
                 "give the scenes the same `flow.cell`, silos in the same place and a window in which they flow; or lower \
                  --looks",
@@ -77,7 +78,8 @@ fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, F
     let fields = fields.transpose()?;
     let unit =
         |run: &Run| run.discharge.time_of(unit_share).filter(|&time| time > 0.0).ok_or_else(|| no_discharge(run));
-    let (unit_time, reference_unit) = (unit(run)?, unit(reference)?);
+    let unit_time = unit(run)?;
+    let reference_unit = unit(reference)?;
     let discharge = run.discharge.in_units(unit_time).largest_difference(&reference.discharge.in_units(reference_unit));
     Ok(Row {
         run: run.name.clone(),
@@ -107,7 +109,8 @@ pub(crate) mod tests {
     pub(crate) fn run(name: &str, time: f64, down: impl Fn(f64, f64) -> f64) -> Run {
         let mut field = FlowField::new(0.5);
         for k in 0..16u8 {
-            let (x, y) = (0.5 * f64::from(k % 4) + 0.25, 0.5 * f64::from(k / 4) + 0.25);
+            let x = 0.5 * f64::from(k % 4) + 0.25;
+            let y = 0.5 * f64::from(k / 4) + 0.25;
             (0..100).for_each(|_| field.add(x, y, 1.0, 0.0, -down(x, y)));
         }
         field.end_sample();

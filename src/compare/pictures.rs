@@ -43,7 +43,8 @@ fn fields(panels: &[Panel], looks: f64) -> Option<String> {
     let step = Vector::new(1.15 * (high.x - low.x), 0.0);
     let all = f64::from(u32::try_from(panels.len()).unwrap_or(1)) * step;
     // The names above have a size in proportion to the total width.
-    let (margin, above) = (0.07 * (high.x - low.x), Vector::new(0.0, 0.08 * all.x));
+    let margin = 0.07 * (high.x - low.x);
+    let above = Vector::new(0.0, 0.08 * all.x);
     let top = top(panels, looks);
     let mut picture = Picture {
         low: low - Vector::splat(margin),

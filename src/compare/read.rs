@@ -94,8 +94,12 @@ fn field(path: &Path) -> Result<Field, Fault> {
         Some(column) => Ok(column),
         None => table.needed(&format!("v{axis}_m_per_s")),
     };
-    let (x, y, count) = (table.needed("x_m")?, table.needed("y_m")?, table.needed("count")?);
-    let (samples, vx, vy) = (table.needed("samples")?, velocity("x")?, velocity("y")?);
+    let x = table.needed("x_m")?;
+    let y = table.needed("y_m")?;
+    let count = table.needed("count")?;
+    let samples = table.needed("samples")?;
+    let vx = velocity("x")?;
+    let vy = velocity("y")?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count; saturates")]
     let means: Vec<_> = (0..x.len())
         .map(|n| FlowMeans { x: x[n], y: y[n], samples: samples[n] as u64, count: count[n], vx: vx[n], vy: vy[n] })

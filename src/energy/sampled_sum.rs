@@ -78,7 +78,8 @@ impl Passed {
 
     /// Returns the mean age of the activity, steps, and its variance with half a step on both sides.
     fn age(&self) -> (f64, f64) {
-        let ([sum, first, second], steps) = (self.moments, f64::from(self.steps));
+        let [sum, first, second] = self.moments;
+        let steps = f64::from(self.steps);
         if sum > 0.0 {
             let mean = first / sum;
             (mean, (second / sum - mean * mean).max(0.0))
@@ -114,8 +115,11 @@ impl SampledSum {
             self.pending = dt * self.last;
             return dt * self.last;
         };
-        let (passed, last) = (std::mem::take(&mut self.since), std::mem::replace(&mut self.last, value));
-        let (steps, change, (age, spread)) = (f64::from(passed.steps), dt * (value - last), passed.age());
+        let passed = std::mem::take(&mut self.since);
+        let last = std::mem::replace(&mut self.last, value);
+        let steps = f64::from(passed.steps);
+        let change = dt * (value - last);
+        let (age, spread) = passed.age();
         let mut correction = 0.0;
         if passed.steps > 1 {
             self.variance += change * change * variance(steps, spread);
@@ -185,7 +189,8 @@ mod tests {
 
     #[test]
     fn samples_give_the_integral_on_average() {
-        let (impacts, onsets) = (2000, Stream::new(1, "onsets"));
+        let impacts = 2000;
+        let onsets = Stream::new(1, "onsets");
         let exact = 0.5 * f64::from(DURATION * impacts);
         for block in [1, 2, 4, 8] {
             // The power jumps by 1 at both ends of an impact. A jump within an interval g between two samples makes an error
@@ -198,7 +203,8 @@ mod tests {
             assert!((at_random - exact).abs() < 5.0 * deviation, "block {block}: {at_random}, not {exact}");
             // The sum knows this error, without the part within a step. The smooth fall between the jumps adds to it, and of an impact within
             // one interval it sees nothing.
-            let (known, jumps) = (sum.standard_error(), (2.0 * f64::from(impacts) * (square - 1.0) / 12.0).sqrt());
+            let known = sum.standard_error();
+            let jumps = (2.0 * f64::from(impacts) * (square - 1.0) / 12.0).sqrt();
             assert!((0.6 * jumps..=1.3 * jumps).contains(&known), "block {block}: {known}, not {jumps}");
             // With the period of the blocks, where samples at fixed places would meet all impacts at the same phase.
             let (in_phase, _) = integral(impacts, block, |_| 3.3);

@@ -128,7 +128,8 @@ impl Feed {
             RadiusLaw::Mixture(sizes) => sizes.iter().map(|(radius, share)| share.get() * mass.of(radius.get())).sum(),
             RadiusLaw::Uniform(low, high) => {
                 // Simpson's rule is exact for masses that grow as the square or the cube of the radius.
-                let (low, high) = (low.get(), high.get());
+                let low = low.get();
+                let high = high.get();
                 (mass.of(low) + 4.0 * mass.of(0.5 * (low + high)) + mass.of(high)) / 6.0
             }
         }

@@ -88,7 +88,8 @@ impl Fill {
     /// Returns the number of lattice cells along each axis, as whole numbers of any size; infinite if the box is too long for
     /// a number.
     fn cells(&self, dimension: Dimension) -> [f64; 3] {
-        let (low, high) = (self.low.padded(), self.high.padded());
+        let low = self.low.padded();
+        let high = self.high.padded();
         // The corners of a box far from the origin are rounded themselves.
         let round_off = (low.abs() + high.abs()) * f64::EPSILON;
         let size = high - low + round_off;
@@ -196,9 +197,11 @@ impl Fill {
         let count = self.count.unwrap_or(0);
         let [sizes, places] = ["", " place"].map(|what| Stream::new(seed, &format!("fill {number}{what}")));
         let mut quotas = self.radius.quotas(count);
-        let (low, high) = (self.low.padded(), self.high.padded());
+        let low = self.low.padded();
+        let high = self.high.padded();
         let place = |n: u32, radius: f64, occupied: &Occupied| {
-            let (low, size) = (low + axes(dimension, [radius; 3]), high - low - axes(dimension, [2.0 * radius; 3]));
+            let size = high - low - axes(dimension, [2.0 * radius; 3]);
+            let low = low + axes(dimension, [radius; 3]);
             let tries = (0..MOST_TRIES).filter(|_| size.cmpge(Solid::ZERO).all());
             let mut drawn =
                 tries.map(|t| low + size * axes(dimension, places.uniform(u64::from(n) << 32 | u64::from(t))));

@@ -61,7 +61,8 @@ impl Occupied {
     /// The cell of a place, or one beside it. Cells of images are the same.
     fn cell_at(&self, x: Solid, offset: [i64; 3]) -> [i64; 3] {
         std::array::from_fn(|axis| {
-            let (side, period) = (self.cell[axis], self.periods[axis]);
+            let side = self.cell[axis];
+            let period = self.periods[axis];
             #[expect(clippy::cast_possible_truncation, reason = "far places share a cell")]
             let number = ((x[axis] / side).floor() as i64).saturating_add(offset[axis]);
             #[expect(

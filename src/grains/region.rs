@@ -36,7 +36,8 @@ impl Region {
         match *self {
             Self::Box { low, high } => (low.padded(), high.padded()),
             Self::Disc { centre, radius, height } => {
-                let (centre, radius) = (centre.padded(), radius.get());
+                let centre = centre.padded();
+                let radius = radius.get();
                 let side = Solid::new(radius, radius, 0.0);
                 (centre - side, centre + side + Solid::Z * height.map_or(0.0, NonNegative::get))
             }

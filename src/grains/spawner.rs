@@ -185,11 +185,13 @@ impl Spawner {
     /// Returns the grains in the order of their release, for programs that release them themselves.
     #[must_use]
     pub fn grains<V: Space>(&self, mass: MassLaw, seed: u64, first_id: u32) -> Vec<GrainRow> {
-        let (random, mut quotas) = (Self::stream(seed), self.radius.quotas(self.count));
+        let random = Self::stream(seed);
+        let mut quotas = self.radius.quotas(self.count);
         let grain = |number: u32| {
             let id = GrainId::grain(first_id.checked_add(number)?)?;
             let (position, radius, species) = self.draw::<V>(&random, id.number(), &mut quotas);
-            let (position, velocity) = (position.spread(), self.velocity.padded());
+            let position = position.spread();
+            let velocity = self.velocity.padded();
             Some(GrainRow { id, radius, mass: mass.of(radius), position, velocity, spin: Solid::ZERO, species })
         };
         (0..self.count).map_while(grain).collect()

@@ -87,7 +87,8 @@ impl Particles {
         text.push_str("\nAtoms # sphere\n\n");
         for grain in &loaded.grains {
             let density = grain.mass / (4.0 * PI / 3.0 * grain.radius.powi(3));
-            let (id, kind) = (grain.id.number(), usize::from(grain.species.0) + 1);
+            let id = grain.id.number();
+            let kind = usize::from(grain.species.0) + 1;
             let [diameter, density] = [2.0 * grain.radius, density].map(number);
             let _ = writeln!(text, "{id} {kind} {diameter} {density} {}", vector(grain.position));
         }

@@ -251,7 +251,8 @@ fn model(
         Contact::Hertz { restitution, attraction, tangential, rolling, .. } => {
             let Some(materials) = materials else { unreachable!("the rules require materials with Hertz's law") };
             let [a, b] = materials;
-            let (modulus, shear) = (a.effective_modulus(b), a.effective_shear_modulus(b));
+            let modulus = a.effective_modulus(b);
+            let shear = a.effective_shear_modulus(b);
             // c = 2 sqrt(5/6) zeta sqrt(S_n m_eff), and S_n is 3/2 of the k sqrt(R* delta) that LAMMPS takes here.
             let Some((damping, drag_kind)) = tsuji(5.0f64.sqrt() * attraction.damping_ratio(restitution)) else {
                 return refuse("Hertz.restitution", TOO_DAMPED, TOO_DAMPED_HELP);

@@ -111,7 +111,8 @@ impl Leaf {
         let DoorOpens::Schedule(times) = &self.opens else { return None };
         let turns = times.iter().flat_map(|(open, shut)| [*open, *shut]).map(|time| first_step(time.get(), dt) * dt);
         let turns: Vec<_> = turns.chain([f64::INFINITY]).collect();
-        let (mut way, mut terms) = (0.0, Vec::new());
+        let mut way = 0.0;
+        let mut terms = Vec::new();
         for (number, turn) in turns.windows(2).enumerate() {
             let opens = number % 2 == 0;
             let lasts = (turn[1] - turn[0]).min(if opens { self.whole() - way } else { way });
@@ -135,7 +136,8 @@ impl Leaf {
 pub(super) fn ways(loaded: &Loaded) -> impl Iterator<Item = [Solid; 2]> {
     let scene = &loaded.scene;
     let leaves = scene.walls.iter().filter_map(move |wall| {
-        let (leaf, [low, high]) = (Leaf::of(loaded, wall)?, wall.bounds()?);
+        let leaf = Leaf::of(loaded, wall)?;
+        let [low, high] = wall.bounds()?;
         Some([low + leaf.by, high + leaf.by])
     });
     let motions = scene.motions.iter().flat_map(move |motion| {
@@ -209,7 +211,8 @@ fn ramp(time: &str, from: f64, until: f64) -> String {
     if until == f64::INFINITY {
         return format!("(({time}-{begin})*({time}>{begin}))");
     }
-    let (end, length) = (number(until), number(until - from));
+    let end = number(until);
+    let length = number(until - from);
     format!("(({time}-{begin})*(({time}>{begin})&&({time}<{end}))+{length}*({time}>={end}))")
 }
 

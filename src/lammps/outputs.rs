@@ -119,7 +119,8 @@ fn forces(name: &str, every: u64, walls: &[&(usize, Vec<String>)]) -> String {
         return String::new();
     }
     let mut text = String::new();
-    let (mut title, mut row) = ("time_s".to_owned(), "$(time:%.17g)".to_owned());
+    let mut title = "time_s".to_owned();
+    let mut row = "$(time:%.17g)".to_owned();
     for (number, fixes) in walls {
         for (column, axis) in [(2, "x"), (3, "y"), (4, "z")] {
             let sums = fixes.iter().map(|fix| {

@@ -24,7 +24,8 @@ pub(super) fn all_grains(loaded: &Loaded) -> impl Iterator<Item = GrainRow> {
 
 fn released(loaded: &Loaded) -> Vec<GrainRow> {
     let (Some(spawner), Some(mass)) = (&loaded.scene.spawner, loaded.scene.mass) else { return Vec::new() };
-    let (seed, first) = (loaded.scene.seed, loaded.first_free_id());
+    let seed = loaded.scene.seed;
+    let first = loaded.first_free_id();
     match loaded.scene.space {
         Dimension::Plane => spawner.grains::<Plane>(mass, seed, first),
         Dimension::Solid => spawner.grains::<Solid>(mass, seed, first),
@@ -70,7 +71,8 @@ pub(super) fn releases(loaded: &Loaded, particles: &Particles) -> Result<String,
     let due = |number: u32| steps_from_zero(f64::from(number) * spawner.interval.get() / loaded.step());
     let tested = (due(1) / TESTS).max(1);
     let mut text = String::from("\n# Releases.\n");
-    let (mut count, mut mass) = (loaded.grains.len(), loaded.grains.iter().map(|grain| grain.mass).sum::<f64>());
+    let mut count = loaded.grains.len();
+    let mut mass = loaded.grains.iter().map(|grain| grain.mass).sum::<f64>();
     for (order, grain) in (0u32..).zip(&grains) {
         let id = particles.next_id() + order as usize;
         let place = vector(grain.position);

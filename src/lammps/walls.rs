@@ -138,7 +138,8 @@ fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<Strin
             rectangle(&name, place, corner.padded(), [along.padded(), across.padded()])
         }
         Wall::Segment { from, to, .. } => {
-            let (from, along) = (from.padded(), to.padded() - from.padded());
+            let along = to.padded() - from.padded();
+            let from = from.padded();
             match loaded.scene.space {
                 Dimension::Plane => band(&name, place, from, along),
                 Dimension::Solid => rectangle(&name, place, from, [along, Solid::ZERO]),
@@ -168,7 +169,8 @@ fn band(name: &str, place: usize, from: Solid, along: Solid) -> String {
         return rectangle(name, place, from - depth, [along, 2.0 * depth]);
     }
     let block = sides(from - depth, from + Solid::X * along.length() + depth);
-    let (angle, from) = (number(along.y.atan2(along.x)), vector(from));
+    let angle = number(along.y.atan2(along.x));
+    let from = vector(from);
     format!("variable turn_{place} equal {angle}\n{name} block {block} side out rotate v_turn_{place} {from} 0 0 1\n")
 }
 
@@ -176,8 +178,10 @@ fn band(name: &str, place: usize, from: Solid, along: Solid) -> String {
 fn rectangle(name: &str, place: usize, corner: Solid, edges: [Solid; 2]) -> String {
     let along_axis = |edge: Solid| edge.to_array().iter().filter(|part| **part != 0.0).count() <= 1;
     if edges.into_iter().all(along_axis) {
-        let (low, high) = (corner.min(corner + edges[0]), corner.max(corner + edges[0]));
-        let (low, high) = (low.min(low + edges[1]), high.max(high + edges[1]));
+        let low = corner.min(corner + edges[0]);
+        let high = corner.max(corner + edges[0]);
+        let low = low.min(low + edges[1]);
+        let high = high.max(high + edges[1]);
         return format!("{name} block {} side out\n", sides(low, high));
     }
     let first = edges[0] / edges[0].length();

@@ -16,9 +16,11 @@ pub fn diffuse_layer(loaded: &LoadedLattice) -> Option<f64> {
 /// Returns warnings about effects of the scene that its author may not want.
 #[must_use]
 pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
-    let (scene, rules) = (&loaded.scene, &loaded.rules);
+    let scene = &loaded.scene;
+    let rules = &loaded.rules;
     let (low, high) = loaded.outline().bounds();
-    let (height, layer) = (high.y - low.y, diffuse_layer(loaded).unwrap_or(f64::INFINITY));
+    let height = high.y - low.y;
+    let layer = diffuse_layer(loaded).unwrap_or(f64::INFINITY);
     let mut warnings = loaded.source.unused_parameters();
     let mut warn = |code, message: String, help: &str| {
         warnings.push(Warning { code, message, help: help.to_owned() });

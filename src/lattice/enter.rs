@@ -63,8 +63,8 @@ pub(super) fn enter(loaded: &LoadedLattice, sites: &Sites, gas: &mut Gas) {
         }
     }
     if let Some(fill) = loaded.scene.fill {
-        let (share, streams) =
-            (Chance::of(fill.per_site.get() / 13.0), Streams::new(loaded.scene.seed, 0, Purpose::Enter, 0));
+        let share = Chance::of(fill.per_site.get() / 13.0);
+        let streams = Streams::new(loaded.scene.seed, 0, Purpose::Enter, 0);
         for site in sites.fluid() {
             for state in (0..13).filter(|&state| share.happens(streams.of(site).high(state as u64))) {
                 gas.add(site, state);

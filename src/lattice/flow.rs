@@ -32,7 +32,8 @@ fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>
             let state = gas.states()[s];
             let count = state.count_ones();
             if count > 0 {
-                let (x, (vx, vy)) = (sites.position(s), in_bonds(momentum(state)));
+                let x = sites.position(s);
+                let (vx, vy) = in_bonds(momentum(state));
                 let share = sites.spacing / f64::from(count);
                 field.add_several(x.x, x.y, count, [share * vx, share * vy]);
             }

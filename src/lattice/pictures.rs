@@ -58,7 +58,8 @@ impl Default for Pictures {
 /// Returns the cells of a picture that have fluid sites, each of this many columns and rows of sites.
 #[must_use]
 pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZeroU16)) -> Vec<Cell> {
-    let (columns, rows) = (usize::from(columns.get()), usize::from(rows.get()));
+    let columns = usize::from(columns.get());
+    let rows = usize::from(rows.get());
     let high = sites.stride.div_ceil(rows);
     let mut sums = vec![(0u32, 0u32); sites.kinds.len().div_ceil(sites.stride).div_ceil(columns) * high];
     for s in sites.fluid() {
@@ -73,7 +74,8 @@ pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZero
     let filled = sums.into_iter().enumerate().filter(|(_, (_, fluid))| *fluid > 0);
     filled
         .map(|(n, (count, fluid))| {
-            let (i, j) = (n / high, n % high);
+            let i = n / high;
+            let j = n % high;
             Cell { low: at(i, j), high: at(i + 1, j + 1), density: f64::from(count) / f64::from(fluid) }
         })
         .collect()

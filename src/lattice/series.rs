@@ -59,7 +59,10 @@ pub struct Means {
 #[must_use]
 #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 particles")]
 pub fn means(sites: &Sites, gas: &Gas) -> Means {
-    let (mut count, mut resting, mut moment, mut sum) = (0u64, 0u64, Vector::ZERO, (0i64, 0i64));
+    let mut count = 0u64;
+    let mut resting = 0u64;
+    let mut moment = Vector::ZERO;
+    let mut sum = (0i64, 0i64);
     for s in sites.fluid() {
         let state = gas.states()[s];
         let here = state.count_ones();
@@ -95,7 +98,8 @@ fn write_row(
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let (step, out) = (clock.steps, gas.out());
+    let step = clock.steps;
+    let out = gas.out();
     let now = means(&sites, &gas);
     if now.count != gas.inside() {
         outcome.fail(Failure::Miscounted { step, expected: gas.inside(), counted: now.count });

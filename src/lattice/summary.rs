@@ -132,7 +132,9 @@ impl Summary {
     #[must_use]
     pub fn of(world: &mut World, loaded: &LoadedLattice, end: &End, wall_s: f64) -> Self {
         let behaviours = outputs::summary_values(world);
-        let (sites, gas, clock) = (world.resource::<Sites>(), world.resource::<Gas>(), world.resource::<Clock>());
+        let sites = world.resource::<Sites>();
+        let gas = world.resource::<Gas>();
+        let clock = world.resource::<Clock>();
         let failure = match end {
             End::Failed(failure) => Some(failure.to_string()),
             _ => None,

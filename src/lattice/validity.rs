@@ -72,7 +72,8 @@ fn door(loaded: &LoadedLattice) -> Result<(), Fault> {
         return Ok(());
     };
     // The tolerance allows for coordinates that the scene gives with a few digits only.
-    let (ends, near) = (door.ends(), 0.5 * loaded.rules.spacing.get());
+    let ends = door.ends();
+    let near = 0.5 * loaded.rules.spacing.get();
     let is_on = |edge| distance(ends.0, edge) <= near && distance(ends.1, edge) <= near;
     if !loaded.outline().edges().any(is_on) || loaded.sites.doorway.is_empty() {
         let message = "the door is not on an edge of the outline";
@@ -103,7 +104,8 @@ fn particles(loaded: &LoadedLattice) -> Result<(), Fault> {
     let mut taken = HashSet::new();
     for (n, thrown) in scene.particles.iter().enumerate() {
         if thrown.velocity > 12 {
-            let (key, message) = (format!("particles[{n}].velocity"), "expected a direction from 0 (at rest) to 12");
+            let key = format!("particles[{n}].velocity");
+            let message = "expected a direction from 0 (at rest) to 12";
             return Err(loaded.fault("scene::out_of_range", &key, message, "1 is up, 4 is down, 7 obliquely up"));
         }
         let key = format!("particles[{n}].at");
@@ -153,7 +155,8 @@ fn outputs(loaded: &LoadedLattice) -> Result<(), Fault> {
         let message = format!("the window is empty: it begins at {} and ends at {}", flow.from.get(), flow.to.get());
         return Err(loaded.fault("scene::out_of_range", "flow.to", message, "give a share above `flow.from`"));
     }
-    let (sample, spacing) = (flow.sample.get(), loaded.rules.spacing.get());
+    let sample = flow.sample.get();
+    let spacing = loaded.rules.spacing.get();
     if sample < 1.0 || sample.fract() != 0.0 {
         let message = format!("expected a whole number of steps, got {sample}");
         return Err(loaded.fault("scene::out_of_range", "flow.sample", message, "5.0 is usual"));

@@ -91,8 +91,10 @@ impl Replica {
         let mut shown = Vec::new();
         loop {
             let end = simulation.step();
-            let (sites, gas) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Gas>());
-            let (clock, door) = (simulation.world().resource::<Clock>(), simulation.world().resource::<DoorState>());
+            let sites = simulation.world().resource::<Sites>();
+            let gas = simulation.world().resource::<Gas>();
+            let clock = simulation.world().resource::<Clock>();
+            let door = simulation.world().resource::<DoorState>();
             if let Some(since) = door.steps_since(clock) {
                 if since.is_multiple_of(FRAME_INTERVAL) {
                     frames.push(counter.frame(gas, since));
@@ -125,7 +127,8 @@ impl Replica {
         }
         let start = frames.remove(0);
         let history = History { blocks: counter.blocks, start, frames };
-        let (sites, clock) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Clock>());
+        let sites = simulation.world().resource::<Sites>();
+        let clock = simulation.world().resource::<Clock>();
         Ok(Self {
             case,
             observables: Observables::of(&history),

@@ -64,7 +64,8 @@ fn cull<V: Space>(
     }
     let mut lowest = f64::INFINITY;
     for row in particles.all().filter(|&row| !particles.id(row).is_wall()) {
-        let (id, position) = (particles.id(row), particles.position(row));
+        let id = particles.id(row);
+        let position = particles.position(row);
         lowest = lowest.min(position.height());
         if position.height() < line.0 {
             commands.entity(particles.entity(row)).despawn();

@@ -104,7 +104,8 @@ mod tests {
         (0..100u32).for_each(|number| departures.add(f64::from(number) + 0.5, 2.0));
         assert_eq!((departures.count(), departures.ends()), (100, Some((0.5, 99.5))));
         for number in 0..100u32 {
-            let (time, mass_out) = (f64::from(number) + 0.5, 2.0 * f64::from(number + 1));
+            let time = f64::from(number) + 0.5;
+            let mass_out = 2.0 * f64::from(number + 1);
             assert_eq!(departures.nearest(number), Some(Departure { number, time, mass_out }));
         }
     }

@@ -134,7 +134,8 @@ pub(super) fn account_for_grains<V: Space>(
     mut lost: MessageReader<GrainLost<V>>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let (step, time_s) = (clock.steps, clock.time());
+    let step = clock.steps;
+    let time_s = clock.time();
     // Grains that leave in the same step are counted in the order of their ids, independent of ECS tables.
     let mut out: Vec<_> = out.read().collect();
     out.sort_unstable_by_key(|grain| grain.id);

@@ -99,7 +99,9 @@ mod tests {
     fn samples_and_averages_come_at_their_times() {
         let value = |x: f64| Positive::try_from(x).unwrap();
         let mut averaging = Averaging::new(value(0.2), Some(0.3.try_into().unwrap()), Some(value(0.6)));
-        let (mut clock, mut samples, mut windows) = (Clock::new(0.1), Vec::new(), Vec::new());
+        let mut clock = Clock::new(0.1);
+        let mut samples = Vec::new();
+        let mut windows = Vec::new();
         for step in 0..=14 {
             clock.steps = step;
             if averaging.is_due(&clock) {

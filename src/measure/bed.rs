@@ -84,7 +84,8 @@ fn packing_fraction(grains: &[(Vector, f64)], low: Vector, high: Vector) -> f64 
         .collect();
     let area = (high - low).element_product();
     let step = (smallest / 20.0).max((area / MAX_POINTS).sqrt());
-    let (mut covered, mut points) = (0u32, 0u32);
+    let mut covered = 0u32;
+    let mut points = 0u32;
     let mut y = low.y + 0.5 * step;
     while y < high.y {
         let row: Vec<_> = near.iter().filter(|(x, r)| (x.y - y).abs() < *r).collect();

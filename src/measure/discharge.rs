@@ -29,7 +29,8 @@ impl Discharge {
         let (first, last) = ledger.departures.ends()?;
         let tenth = ledger.departures.nearest(count / 10)?;
         let nine_tenths = ledger.departures.nearest(count - 1 - count / 10)?;
-        let (grains, mass) = (f64::from(nine_tenths.number - tenth.number), nine_tenths.mass_out - tenth.mass_out);
+        let grains = f64::from(nine_tenths.number - tenth.number);
+        let mass = nine_tenths.mass_out - tenth.mass_out;
         let interval = nine_tenths.time - tenth.time;
         // Grains that leave in one step have no rate.
         (interval > 0.0).then(|| Self {

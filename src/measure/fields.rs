@@ -195,7 +195,8 @@ impl Layout {
         let per_mass = |sum: f64| if mass > 0.0 { sum / mass } else { f64::NAN };
         let velocity: Vec<_> = sums[2..self.kinetic()].iter().map(|&momentum| per_mass(momentum)).collect();
         let mut kinetic = sums[self.kinetic()..self.contact()].to_vec();
-        let (mut trace, mut index) = (0.0, 0);
+        let mut trace = 0.0;
+        let mut index = 0;
         for a in 0..self.components {
             for b in a..self.components {
                 if mass > 0.0 {
@@ -244,10 +245,14 @@ impl<V: Space> FieldSampler<V> {
 
     /// Adds a sample of the grains that are present and of all their contacts.
     pub fn add(&mut self, survey: &Survey<'_, V>) {
-        let (store, layout) = (survey.store, self.layout);
-        let (grid, sums) = (&self.grid, self.blocks.present());
+        let store = survey.store;
+        let layout = self.layout;
+        let grid = &self.grid;
+        let sums = self.blocks.present();
         for i in (0..store.movable_end).filter(|&i| store.is_present(i)) {
-            let (body, mass, species) = (&store.body[i], store.mass[i], usize::from(store.species[i].0));
+            let body = &store.body[i];
+            let mass = store.mass[i];
+            let species = usize::from(store.species[i].0);
             grid.visit_point(body.position, store.periodic.as_ref(), |cell, weight, at| {
                 let sums = &mut sums[cell * layout.sums()..][..layout.sums()];
                 let v = grid.components(body.velocity, at);
@@ -274,7 +279,8 @@ impl<V: Space> FieldSampler<V> {
             let from = store.body[i].position;
             grid.visit_branch(from, branch, store.periodic.as_ref(), |cell, weight, at| {
                 let sums = &mut sums[cell * layout.sums()..][..layout.sums()];
-                let (f, l) = (grid.components(force, at), grid.components(-branch, at));
+                let f = grid.components(force, at);
+                let l = grid.components(-branch, at);
                 let mut index = layout.contact();
                 for f in &f[..layout.components] {
                     for l in &l[..layout.components] {

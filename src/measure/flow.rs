@@ -188,7 +188,8 @@ mod tests {
         let mut field = FlowField::new(0.25);
         for sample in 0..4u8 {
             for n in 0..100u8 {
-                let (x, y) = (0.1 * f64::from(n % 10), 0.1 * f64::from(n / 10));
+                let x = 0.1 * f64::from(n % 10);
+                let y = 0.1 * f64::from(n / 10);
                 field.add(x, y - 0.05 * f64::from(sample), 1.0 + f64::from(n % 3), 0.5, -2.0);
             }
             field.end_sample();
@@ -203,11 +204,13 @@ mod tests {
     #[test]
     fn a_rotation_has_the_velocity_of_each_cell_s_middle() {
         // Four grains at equal distances from the middle of their cell, in each of 6 x 6 cells: u = (-w y, w x).
-        let (w, cell) = (3.0, 0.5);
+        let w = 3.0;
+        let cell = 0.5;
         let mut field = FlowField::new(cell);
         for k in 0..144u8 {
             let at = |n: u8| -1.5 + 0.25 * (f64::from(n) + 0.5);
-            let (x, y) = (at(k % 12), at(k / 12));
+            let x = at(k % 12);
+            let y = at(k / 12);
             field.add(x, y, 2.0, -w * y, w * x);
         }
         field.end_sample();
@@ -220,7 +223,9 @@ mod tests {
 
     #[test]
     fn a_uniformly_sampled_shear_has_the_velocity_of_each_cell_s_middle() {
-        let (a, cell, grains) = (2.0, 0.25, 40_000);
+        let a = 2.0;
+        let cell = 0.25;
+        let grains = 40_000;
         let random = Stream::new(5, "shear");
         let mut field = FlowField::new(cell);
         for grain in 0..grains {

@@ -206,7 +206,8 @@ impl OutflowSums {
         reason = "16 blocks"
     )]
     pub fn figures(&self, window: &Outflow, time: f64) -> OutflowFigures {
-        let (from, length) = (window.from.get(), (window.to.get() - window.from.get()) / BLOCKS as f64);
+        let from = window.from.get();
+        let length = (window.to.get() - window.from.get()) / BLOCKS as f64;
         // A run that ends at the end of the window may do so by rounding a little before it.
         let count = (((time - from) / length + 1e-6).max(0.0) as usize).min(BLOCKS);
         let blocks = &self.blocks[..count];
@@ -258,7 +259,8 @@ fn segregation(blocks: &[&[f64]]) -> Option<f64> {
     let blocks: Vec<_> = blocks.iter().map(|masses| (masses.iter().sum::<f64>(), masses)).collect();
     let filled = blocks.iter().filter(|(mass, _)| *mass > 0.0);
     let all: f64 = filled.clone().map(|(mass, _)| mass).sum();
-    let (mut between, mut whole) = (0.0, 0.0);
+    let mut between = 0.0;
+    let mut whole = 0.0;
     for species in 0..blocks.first().map_or(0, |(_, masses)| masses.len()) {
         let share = filled.clone().map(|(_, masses)| masses[species]).sum::<f64>() / all;
         between +=

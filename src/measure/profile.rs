@@ -174,7 +174,8 @@ impl<V: Space> Sampler<V> {
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a valid bin number")]
         let sums = &mut self.bins[bin as usize];
-        let (mass, v) = (store.mass[i], store.body[i].velocity);
+        let mass = store.mass[i];
+        let v = store.body[i].velocity;
         sums.count += 1;
         sums.mass += mass;
         sums.momentum += v * mass;
@@ -182,9 +183,11 @@ impl<V: Space> Sampler<V> {
     }
 
     fn add_volume(&mut self, radius: f64, x: f64) {
-        let (low, width) = (self.profile.low.get(), self.width());
+        let low = self.profile.low.get();
+        let width = self.width();
         let bin = |x: f64| ((x - low) / width).floor().clamp(0.0, f64::from(self.profile.bins) - 1.0);
-        let (first, last) = (bin(x - radius), bin(x + radius));
+        let first = bin(x - radius);
+        let last = bin(x + radius);
         if x + radius <= low || x - radius >= self.profile.high.get() {
             return;
         }
@@ -201,7 +204,8 @@ impl<V: Space> Sampler<V> {
     /// Returns the means and resets the sums.
     #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
     pub fn take(&mut self) -> Vec<Means<V>> {
-        let (width, samples) = (self.width(), self.samples.max(1) as f64);
+        let width = self.width();
+        let samples = self.samples.max(1) as f64;
         let axes = V::COMPONENTS as f64;
         let means = (0u32..).zip(&self.bins).map(|(bin, sums)| {
             let velocity = if sums.mass > 0.0 { sums.momentum / sums.mass } else { V::ZERO };
@@ -244,7 +248,8 @@ mod tests {
     }
 
     fn profile(low: f64, high: f64, bins: u16) -> Profile {
-        let (low, high) = (low.try_into().unwrap(), high.try_into().unwrap());
+        let low = low.try_into().unwrap();
+        let high = high.try_into().unwrap();
         let sample = 1.0.try_into().unwrap();
         Profile { axis: Axis::X, low, high, bins, sample, from: None, average: None, section: None }
     }
@@ -253,7 +258,8 @@ mod tests {
     fn slices_make_up_the_whole_grain() {
         let disc = store(&[(Plane::new(0.3, 0.0), Plane::ZERO, 0.25)]);
         let sphere = store(&[(Solid::new(0.3, 0.0, 0.0), Solid::ZERO, 0.25)]);
-        let (mut plane, mut solid) = (Sampler::new(profile(0.0, 1.0, 7), 2.0), Sampler::new(profile(0.0, 1.0, 7), 2.0));
+        let mut plane = Sampler::new(profile(0.0, 1.0, 7), 2.0);
+        let mut solid = Sampler::new(profile(0.0, 1.0, 7), 2.0);
         plane.add(&disc, None);
         solid.add(&sphere, None);
         let area: f64 = plane.take().iter().map(|bin| bin.packing_fraction * 2.0 / 7.0).sum();

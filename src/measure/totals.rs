@@ -44,7 +44,8 @@ impl Totals {
             totals.potential -= store.mass[i] * gravity.dot(store.body[i].position);
             totals.largest_speed = totals.largest_speed.max(store.body[i].velocity.length());
         }
-        let (mut largest, mut ends) = (0.0f64, 0u32);
+        let mut largest = 0.0f64;
+        let mut ends = 0u32;
         survey.contacts(|i, partner, pair, memory| {
             totals.elastic += survey.law.elastic_energy(pair, memory);
             let (radius, other_is_grain) = match partner {

@@ -92,13 +92,15 @@ impl BandSampler {
 
     #[expect(clippy::cast_precision_loss, reason = "a bin number")]
     fn heights(&self, bin: usize) -> [f64; 2] {
-        let (low, high) = (self.bands.low.get(), self.bands.high.get());
+        let low = self.bands.low.get();
+        let high = self.bands.high.get();
         [bin, bin + 1].map(|bin| low + (high - low) * bin as f64 / f64::from(self.bands.bins))
     }
 
     /// Adds a sample of all contacts with the walls.
     pub fn add<V: Space>(&mut self, survey: Survey<'_, V>) {
-        let (low, high) = (self.bands.low.get(), self.bands.high.get());
+        let low = self.bands.low.get();
+        let high = self.bands.high.get();
         for contact in survey.touching_walls() {
             let Partner::Wall(wall) = contact.partner() else { continue };
             if self.walls.binary_search(&survey.walls.all[wall].number).is_err() {

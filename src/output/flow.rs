@@ -44,7 +44,8 @@ fn sample(
     let FlowSampler { config, field, file } = &mut *sampler;
     if config.samples_at(ledger.out().into(), ledger.released.into()) {
         for grain in motion.grains().filter(|&grain| !ledger.is_gone(motion.id(grain))) {
-            let (x, v) = (motion.position(grain), motion.velocity(grain));
+            let x = motion.position(grain);
+            let v = motion.velocity(grain);
             field.add(x.x, x.y, motion.mass(grain), v.x, v.y);
         }
         field.end_sample();
@@ -66,7 +67,8 @@ impl FlowPlugin {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
-        let (field, file) = (FlowField::new(config.cell.get()), Rows::at(place, HEADER)?);
+        let field = FlowField::new(config.cell.get());
+        let file = Rows::at(place, HEADER)?;
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }
 }

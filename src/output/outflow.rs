@@ -32,7 +32,8 @@ pub(crate) struct OutflowState {
 
 /// Returns the figures of a world, if its scene asks for them.
 pub(crate) fn figures(world: &World) -> Option<OutflowFigures> {
-    let (window, state) = (world.get_resource::<OutflowWindow>()?, world.get_resource::<OutflowState>()?);
+    let window = world.get_resource::<OutflowWindow>()?;
+    let state = world.get_resource::<OutflowState>()?;
     Some(state.sums.figures(&window.0, world.resource::<Clock>().time()))
 }
 
@@ -42,7 +43,8 @@ fn observe<V: Space>(
     mut out: MessageReader<GrainOut<V>>,
     mut state: ResMut<OutflowState>,
 ) {
-    let (now, OutflowState { sums, entered }) = (clock.time(), &mut *state);
+    let now = clock.time();
+    let OutflowState { sums, entered } = &mut *state;
     if now > 0.0 {
         entered.extend(released.read().map(|grain| (grain.id, now)));
     } else {
@@ -59,7 +61,8 @@ fn observe<V: Space>(
 
 /// Run condition: a sample of velocities is due.
 fn sample_is_due(clock: Res<Clock>, window: Res<OutflowWindow>, state: Res<OutflowState>) -> bool {
-    let (from, to) = (window.0.from.get(), window.0.to.get());
+    let from = window.0.from.get();
+    let to = window.0.to.get();
     let samples = u32::try_from(state.sums.samples()).unwrap_or(u32::MAX);
     window.0.mass_flow.is_some()
         && samples < SAMPLES

@@ -133,7 +133,10 @@ fn write_centres<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     for species in 0..=centres.species {
-        let (mut count, mut mass, mut moment, mut momentum) = (0u32, 0.0, V::ZERO, V::ZERO);
+        let mut count = 0u32;
+        let mut mass = 0.0;
+        let mut moment = V::ZERO;
+        let mut momentum = V::ZERO;
         for grain in motion.grains().filter(|&grain| motion.species(grain) == Species(species)) {
             count += 1;
             mass += motion.mass(grain);
@@ -141,7 +144,8 @@ fn write_centres<V: Space>(
             momentum += motion.velocity(grain) * motion.mass(grain);
         }
         if count > 0 {
-            let (x, v) = (numbers(moment / mass), numbers(momentum / mass));
+            let x = numbers(moment / mass);
+            let v = numbers(momentum / mass);
             centres.file.append(format_args!("{:?},{species},{count},{mass:e},{x},{v}\n", clock.time()), &mut outcome);
         }
     }

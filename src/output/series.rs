@@ -59,7 +59,8 @@ fn write_row<V: Space>(
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let (time, out) = (clock.time(), ledger.out());
+    let time = clock.time();
+    let out = ledger.out();
     let now = Totals::measure(&survey_param.survey(), gravity.0);
     let outflow = match series.last.replace((time, out)) {
         Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),

@@ -224,7 +224,8 @@ fn stop_in_words(loaded: &Loaded, end: &End) -> Option<String> {
 /// Mass of the grains that are neither out nor lost, kg, summed in the order of slots.
 fn mass_inside(world: &World) -> f64 {
     fn of<V: Space>(world: &World) -> f64 {
-        let (store, ledger) = (world.resource::<ParticleStore<V>>(), world.resource::<Ledger>());
+        let store = world.resource::<ParticleStore<V>>();
+        let ledger = world.resource::<Ledger>();
         let is_inside =
             |row: &usize| !store.id[*row].is_wall() && store.is_present(*row) && !ledger.is_gone(store.id[*row]);
         (0..store.id.len()).filter(is_inside).map(|row| store.mass[row]).fold(0.0, Add::add)

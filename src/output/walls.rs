@@ -88,7 +88,8 @@ fn add_loads<V: Space>(walls: Res<Surfaces<V>>, mut files: ResMut<WallFiles<V>>)
     for group in groups {
         let pivot = walls.first_surface(group.walls[0]).reference;
         for &number in &group.walls {
-            let (load, reference) = (&walls.loads[number], walls.first_surface(number).reference);
+            let load = &walls.loads[number];
+            let reference = walls.first_surface(number).reference;
             group.sums.force += load.force;
             group.sums.torque += load.torque + (reference - pivot).cross(load.force);
         }

@@ -41,7 +41,8 @@ pub fn message(text: &str) -> String {
 /// Returns a number with its unit. The unit may be empty.
 #[must_use]
 pub fn quantity(value: f64, unit: &str) -> String {
-    let (shown, unit) = (rounded(value), escape(unit));
+    let shown = rounded(value);
+    let unit = escape(unit);
     let gap = if unit.is_empty() { "" } else { " " };
     let whole = if unit == "%" { format!("{value}\u{202f}%") } else { format!("{value}{gap}{unit}") };
     format!(

@@ -113,7 +113,8 @@ impl Sheet {
 
 /// The ratio of a run's number to that of the first run.
 fn ratio(row: &Row, column: usize) -> Option<f64> {
-    let (first, other) = (row.cells.first()?.number()?, row.cells.get(column)?.number()?);
+    let first = row.cells.first()?.number()?;
+    let other = row.cells.get(column)?.number()?;
     let ratio = other.0 / first.0;
     (column > 0 && first.1 == other.1 && ratio.is_finite()).then_some(ratio)
 }

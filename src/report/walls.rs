@@ -44,7 +44,8 @@ fn captioned(caption: &str, rows: &str) -> String {
 
 /// Returns head and rows of a table of forces; `None` without rows. `key` is the column that names the wall.
 fn forces(run: &Run, table: &Table, key: &str) -> Option<String> {
-    let (times, walls) = (table.numbers("time_s").filter(|times| !times.is_empty())?, table.texts(key)?);
+    let times = table.numbers("time_s").filter(|times| !times.is_empty())?;
+    let walls = table.texts(key)?;
     let columns: Vec<_> =
         table.names().filter_map(|name| Some((heading(name), unit_of(name)?, table.numbers(name)?))).collect();
     let mut html = "<thead>\n<tr><th scope=\"col\">Wall</th><th scope=\"col\">Moment</th>".to_owned();

@@ -35,7 +35,8 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
     let mut ends: Vec<Solid> = Vec::new();
     // A ball, and a box by opposite corners.
     let mut ball = |centre: Solid, radius: f64| {
-        let (on_paper, reach) = (camera.on_paper(centre), Vector::splat(radius));
+        let on_paper = camera.on_paper(centre);
+        let reach = Vector::splat(radius);
         corners.extend([on_paper - reach, on_paper + reach]);
         ends.push(centre);
     };
@@ -48,7 +49,8 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
         ball(spawner.point.padded(), largest);
     }
     for feed in &loaded.scene.feed {
-        let ((low, high), (_, largest)) = (feed.region.bounds(), feed.radius.range());
+        let (low, high) = feed.region.bounds();
+        let (_, largest) = feed.radius.range();
         for corner in corners_of([low, high]) {
             ball(corner, largest);
         }

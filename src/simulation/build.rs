@@ -90,7 +90,8 @@ impl Simulation {
 
 /// Refuses outputs of behaviours whose names are not allowed or taken. `header` is the one of `series.csv`.
 pub(super) fn refuse_outputs(world: &World, source: &Source, header: &str) -> Result<(), Fault> {
-    let (grains, series) = (TAKEN_NAMES.split_whitespace().collect(), header.split(',').collect());
+    let grains = TAKEN_NAMES.split_whitespace().collect();
+    let series = header.split(',').collect();
     let reserved = Reserved { grains, series, is_file: run_directory::is_reserved };
     outputs::refuse(world, &reserved).map_err(|(behaviour, problem)| {
         let key = if behaviour.is_empty() { "behaviours".to_owned() } else { format!("behaviours.{behaviour}") };

@@ -41,7 +41,8 @@ pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded, has_
         }
     }
     for grain in &loaded.fixed {
-        let (x, v) = (in_box(V::narrow(grain.position)), V::narrow(grain.velocity));
+        let x = in_box(V::narrow(grain.position));
+        let v = V::narrow(grain.velocity);
         let mut spawned = world.spawn(wall_grain(next_id(), x, grain.radius, v, grain.species));
         if v != V::ZERO {
             spawned.insert(Conveyed);
@@ -64,7 +65,8 @@ pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded, has_
     sort_newcomers(&mut newcomers);
     let newcomers = newcomers.into_iter();
     // Step zero evaluates them.
-    let (force, torque) = (Force(V::ZERO), Torque(V::Spin::ZERO));
+    let force = Force(V::ZERO);
+    let torque = Torque(V::Spin::ZERO);
     let turning =
         |law: InertiaLaw, grain: &GrainBundle<V>, spin| law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin);
     // Spawned in one batch, so that tables are allocated once.

@@ -65,7 +65,8 @@ impl Resolved {
                 (None, None) => offset,
             }
         };
-        let (start, end) = (map(parsed.start, false), map(parsed.end, true));
+        let start = map(parsed.start, false);
+        let end = map(parsed.end, true);
         start..end.max(start)
     }
 

@@ -14,7 +14,8 @@ fn rows(scene: &str) -> impl Iterator<Item = (&'static str, &'static str)> {
     let mut last = "";
     section.lines().filter_map(move |line| {
         let mut cells = line.strip_prefix('|')?.split(" | ").map(str::trim);
-        let (keys, values) = (cells.next()?, cells.next()?);
+        let keys = cells.next()?;
+        let values = cells.next()?;
         last = if keys.is_empty() { last } else { keys };
         Some((last, values))
     })

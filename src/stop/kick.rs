@@ -98,7 +98,8 @@ fn is_under_way(clock: Res<Clock>, avalanches: Res<Avalanches>) -> bool {
 }
 
 fn push<V: Space>(jet: Res<Jet>, mut grains: Query<(&Position<V>, &Mass, &mut Force<V>), With<Grain>>) {
-    let (reach, acceleration) = (jet.kick.reach.get(), jet.kick.acceleration.get::<V>());
+    let reach = jet.kick.reach.get();
+    let acceleration = jet.kick.acceleration.get::<V>();
     let is_near = |x: Solid| jet.boxes.iter().any(|&[low, high]| x.distance(x.clamp(low, high)) < reach);
     for (x, mass, mut force) in &mut grains {
         if is_near(x.0.spread()) {

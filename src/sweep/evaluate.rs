@@ -38,7 +38,8 @@ pub fn evaluate(path: &Path, settings: &[(String, String)], registry: &Registry)
     let summary = match load::any(path, settings)? {
         AnyScene::Grains(loaded) => {
             let mut simulation = Simulation::new(&loaded, registry, NonZeroUsize::MIN)?;
-            let (mut cost, start) = (Cost::default(), Instant::now());
+            let mut cost = Cost::default();
+            let start = Instant::now();
             let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
             cost.wall_s = start.elapsed().as_secs_f64();
             serde_json::to_value(Summary::of(simulation.world_mut(), &loaded, &end, cost))

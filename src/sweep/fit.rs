@@ -79,9 +79,11 @@ impl Line {
         #[expect(clippy::cast_precision_loss, reason = "a number of points")]
         let n = points.len() as f64;
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-        let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+        let x = mean(&|p| p.0);
+        let y = mean(&|p| p.1);
         let sum = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
-        let (xx, xy) = (sum(&|p| (p.0 - x).powi(2)), sum(&|p| (p.0 - x) * (p.1 - y)));
+        let xx = sum(&|p| (p.0 - x).powi(2));
+        let xy = sum(&|p| (p.0 - x) * (p.1 - y));
         let yy = sum(&|p| (p.1 - y).powi(2));
         if !(xx > 0.0 && xx.is_finite() && yy.is_finite()) {
             return None;
@@ -138,7 +140,8 @@ impl Law {
     pub fn fit(self, points: &[(f64, f64)]) -> Option<Fitted> {
         let points: Vec<_> = points.iter().filter_map(|&point| self.transformed(point)).collect();
         let line = Line::through(&points)?;
-        let (a, b) = (line.intercept, line.slope);
+        let a = line.intercept;
+        let b = line.slope;
         let mut parameters = match self {
             Self::Line => vec![line.parameter("intercept", a, (1.0, 0.0)), line.parameter("slope", b, (0.0, 1.0))],
             Self::Power => {
@@ -148,8 +151,10 @@ impl Law {
                 if b <= 0.0 {
                     return None;
                 }
-                let (amplitude, steep) = (b.powf(power), power * b.powf(power - 1.0));
-                let (offset, by) = (-a / b, (-1.0 / b, a / (b * b)));
+                let amplitude = b.powf(power);
+                let steep = power * b.powf(power - 1.0);
+                let offset = -a / b;
+                let by = (-1.0 / b, a / (b * b));
                 let scale = density.map(|density| density * gravity.sqrt());
                 let c = scale.map(|scale| line.parameter("C", amplitude / scale, (0.0, steep / scale)));
                 let k = grain.map(|d| line.parameter("k", offset / d, (by.0 / d, by.1 / d)));
@@ -230,7 +235,10 @@ mod tests {
     #[test]
     fn beverloo_recovers_the_constants_of_exact_data() {
         for power in [1.5, 2.5] {
-            let (c, k, d, density) = (0.58, 1.4, 0.01, 1600.0);
+            let c = 0.58;
+            let k = 1.4;
+            let d = 0.01;
+            let density = 1600.0;
             let law = Law::Beverloo { power, grain: Some(d), density: Some(density), gravity: 9.81 };
             let rate = |x: f64| c * density * 9.81f64.sqrt() * (x - k * d).powf(power);
             let points = [0.04, 0.05, 0.07, 0.1, 0.15].map(|x| (x, rate(x)));

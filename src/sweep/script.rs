@@ -85,7 +85,8 @@ impl Calls<'_> {
     pub fn script(&self, scheduler: Scheduler) -> String {
         let path = |path: &Path| quoted(&path.display().to_string());
         let call = format!("{} -q sweep {} --out {}", path(self.program), path(self.sweep), path(self.directory));
-        let (runs, jobs) = (self.runs, self.jobs);
+        let runs = self.runs;
+        let jobs = self.jobs;
         // A name is at most a word, so that it is safe in every comment and option.
         let name: String = self.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
         match scheduler {

@@ -25,7 +25,8 @@ type Law<'a, const N: usize> = &'a dyn Fn(f64, &[f64; N]) -> f64;
 #[must_use]
 pub fn fit<const N: usize>(law: Law<N>, points: &[(f64, f64)], start: [f64; N]) -> Option<Fit<N>> {
     let sum = |p: &[f64; N]| points.iter().map(|(x, y)| (y - law(*x, p)).powi(2)).sum::<f64>();
-    let (mut p, mut damping) = (start, 1e-3);
+    let mut p = start;
+    let mut damping = 1e-3;
     let mut least = sum(&p);
     if points.len() < N || !least.is_finite() {
         return None;
@@ -67,7 +68,8 @@ pub fn fit<const N: usize>(law: Law<N>, points: &[(f64, f64)], start: [f64; N]) 
 
 /// Returns J^T J and J^T r with the derivatives J of the law by its numbers and the residuals r.
 fn linearised<const N: usize>(law: Law<N>, points: &[(f64, f64)], p: &[f64; N]) -> ([[f64; N]; N], [f64; N]) {
-    let (mut normal, mut gradient) = ([[0.0; N]; N], [0.0; N]);
+    let mut normal = [[0.0; N]; N];
+    let mut gradient = [0.0; N];
     for (x, y) in points {
         let value = law(*x, p);
         let slopes: [f64; N] = std::array::from_fn(|i| {
@@ -95,7 +97,8 @@ fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; 
             return None;
         }
         for j in i + 1..N {
-            let (share, row) = (a[j][i] / a[i][i], a[i]);
+            let share = a[j][i] / a[i][i];
+            let row = a[i];
             a[j].iter_mut().zip(row).for_each(|(number, above)| *number -= share * above);
             b[j] -= share * b[i];
         }

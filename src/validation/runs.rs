@@ -59,7 +59,8 @@ impl Run {
             Fault::new("validate::shut", format!("the door of {} did not open", self.files.directory.display()))
                 .help("its summary.json and series.csv tell why")
         })?;
-        let (times, out) = (self.files.times(), self.files.series.needed("out")?);
+        let times = self.files.times();
+        let out = self.files.series.needed("out")?;
         Ok(times.into_iter().map(|time| time - opened).zip(out).filter(|(time, _)| *time >= 0.0).collect())
     }
 
@@ -90,7 +91,8 @@ impl Studies {
     /// # Errors
     /// If a run cannot be read.
     pub fn add(&mut self, name: &'static str, sweep: &Sweep, directory: &SweepDirectory) -> Result<Vec<Task>, Fault> {
-        let (mut runs, mut failed) = (Vec::new(), Vec::new());
+        let mut runs = Vec::new();
+        let mut failed = Vec::new();
         for task in sweep.tasks() {
             let files = RunFiles::open(&directory.run(sweep, task))?;
             let keys = sweep.keys.iter().cloned();

@@ -175,7 +175,8 @@ impl MeanStep {
         let ends = |axis: usize| {
             all().map(|place| place[axis]).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
         };
-        let ((left, right), (bottom, top)) = (ends(0), ends(2));
+        let (left, right) = ends(0);
+        let (bottom, top) = ends(2);
         let number = |low: f64, high: f64, cell: f64| {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of cells of a silo")]
             let number = ((high - low) / cell).ceil().max(1.0) as usize;

@@ -41,7 +41,8 @@ pub fn viridis(share: f64) -> Rgb {
     let below = (place as usize).min(9);
     let part = place - f64::from(below as u8);
     std::array::from_fn(|channel| {
-        let (a, b) = (f64::from(VIRIDIS[below][channel]), f64::from(VIRIDIS[below + 1][channel]));
+        let a = f64::from(VIRIDIS[below][channel]);
+        let b = f64::from(VIRIDIS[below + 1][channel]);
         (a + part * (b - a)).round() as u8
     })
 }

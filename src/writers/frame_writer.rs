@@ -201,7 +201,8 @@ mod tests {
     #[test]
     fn pictures_are_numbered_and_complete_after_close() {
         let directory = tempfile::tempdir().unwrap();
-        let (mut frame_writer, mut outcome) = (FrameWriter::new(directory.path().to_owned(), true), Outcome::default());
+        let mut frame_writer = FrameWriter::new(directory.path().to_owned(), true);
+        let mut outcome = Outcome::default();
         (0..10).for_each(|_| frame_writer.add(picture, &mut outcome));
         frame_writer.close().unwrap();
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 20);
@@ -212,7 +213,8 @@ mod tests {
     #[test]
     fn failed_write_ends_the_run() {
         let nowhere = tempfile::tempdir().unwrap().path().join("nowhere");
-        let (mut frame_writer, mut outcome) = (FrameWriter::new(nowhere.clone(), false), Outcome::default());
+        let mut frame_writer = FrameWriter::new(nowhere.clone(), false);
+        let mut outcome = Outcome::default();
         frame_writer.add(picture, &mut outcome);
         outcome.finish(End::Empty);
         frame_writer.add(picture, &mut outcome);

@@ -129,7 +129,8 @@ impl Growing {
 
     #[cfg(all(test, target_os = "linux"))]
     pub(crate) fn of(file: std::fs::File, name: &str) -> Self {
-        let (record, end) = (RunFile::default(), &[][..]);
+        let record = RunFile::default();
+        let end = &[][..];
         Self { name: name.to_owned(), file: file.into(), length: 0, end, record, is_new: true }
     }
 }
@@ -149,7 +150,8 @@ mod tests {
     fn the_record_is_that_of_the_file_without_and_with_its_end() {
         let here = tempfile::tempdir().unwrap();
         for end in [&b""[..], b"</end>\n"] {
-            let (path, files) = (here.path().join(format!("rows{}", end.len())), RunFiles::default());
+            let path = here.path().join(format!("rows{}", end.len()));
+            let files = RunFiles::default();
             let name = name_of(&path);
             let mut rows = Growing::create(&path, files.file(&name), end).unwrap();
             for piece in ["a\n", "bcd\n", "e\n"] {

@@ -64,7 +64,10 @@ impl<W: Write> MovieWriter<W> {
 /// Returns left, top, width and height of the smallest rectangle that holds all pixels that differ; one pixel if none does.
 fn changed(last: &[u8], now: &[u8], width: usize) -> [usize; 4] {
     let rows = last.chunks(3 * width).zip(now.chunks(3 * width)).enumerate().filter(|(_, (last, now))| last != now);
-    let (mut top, mut bottom, mut left, mut right) = (usize::MAX, 0, usize::MAX, 0);
+    let mut top = usize::MAX;
+    let mut bottom = 0;
+    let mut left = usize::MAX;
+    let mut right = 0;
     for (y, (last, now)) in rows {
         (top, bottom) = (top.min(y), bottom.max(y + 1));
         let differs = |(last, now): (&[u8], &[u8])| last != now;

@@ -104,7 +104,8 @@ fn draw(svg: &str) -> Result<Pixmap, String> {
     let tree = Tree::from_xmltree(&document, options()).map_err(|error| error.to_string())?;
     check_groups(&tree)?;
     let size = tree.size().to_int_size();
-    let (width, height) = (size.width(), size.height());
+    let width = size.width();
+    let height = size.height();
     if width.max(height) > LONGEST_SIDE || f64::from(width) * f64::from(height) > MOST_PIXELS {
         return Err(format!("{width} x {height} pixels are more than the limit of {MOST_PIXELS:e}"));
     }

@@ -68,8 +68,10 @@ fn quoted(word: &str) -> String {
 /// Returns the date and time of a number of seconds since the start of 1970, UTC. Days are counted in 400-year eras that begin on
 /// 1 March (H. Hinnant, chrono-compatible low-level date algorithms).
 fn date(seconds: u64) -> String {
-    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
-    let (era, day) = (days / 146_097, days % 146_097);
+    let days = seconds / 86_400 + 719_468;
+    let second = seconds % 86_400;
+    let era = days / 146_097;
+    let day = days % 146_097;
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
     let day = day - (365 * year + year / 4 - year / 100);
     let month = (5 * day + 2) / 153;

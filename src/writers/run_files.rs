@@ -54,7 +54,8 @@ impl Extent {
     /// If it cannot be read.
     pub fn read(file: impl Read, length: u64) -> io::Result<Self> {
         let mut extent = Self::default();
-        let (mut file, mut buffer) = (file.take(length), vec![0; 1 << 16]);
+        let mut file = file.take(length);
+        let mut buffer = vec![0; 1 << 16];
         loop {
             match file.read(&mut buffer) {
                 Ok(0) => return Ok(extent),

@@ -93,7 +93,8 @@ fn create_part(part: &Path) -> io::Result<DiskFile> {
 
 /// Whether `path` is the name of an open file.
 fn is_at(file: &File, path: &Path) -> bool {
-    let (open, named) = (file.metadata(), fs::symlink_metadata(path));
+    let open = file.metadata();
+    let named = fs::symlink_metadata(path);
     open.is_ok_and(|open| named.is_ok_and(|named| file_number(&open) == file_number(&named)))
 }
 

@@ -36,7 +36,8 @@ fn changed(bytes: &mut Vec<u8>, change: &Change) {
             bytes.drain(from..length.min(from + usize::from(count)));
         }
         Change::Repeat { from, length: count, at } => {
-            let (from, at) = (place(from), place(at));
+            let from = place(from);
+            let at = place(at);
             let part = bytes[from..length.min(from + usize::from(count))].to_vec();
             bytes.splice(at..at, part);
         }

@@ -299,7 +299,8 @@ impl Reference {
 
     /// Returns the blocked directions with friction: none at a site that touches the smooth lid.
     pub(crate) fn rough(&self, site: usize) -> u16 {
-        let (column, row) = (site / self.stride, site % self.stride);
+        let column = site / self.stride;
+        let row = site % self.stride;
         let y = (2 * row + column % 2).cast_signed();
         let blocked = self.blocked(site);
         let touches_lid = bits(blocked).any(|d| y + VELOCITIES[d].1 > self.lid_above);

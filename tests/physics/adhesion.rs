@@ -73,7 +73,9 @@ impl Swing {
     fn at(&self, t: f64) -> [f64; 2] {
         let Self { rest, decay, frequency: w, speed } = *self;
         let sine = (speed - decay * rest) / w;
-        let (s, c, fades) = ((w * t).sin(), (w * t).cos(), (-decay * t).exp());
+        let s = (w * t).sin();
+        let c = (w * t).cos();
+        let fades = (-decay * t).exp();
         let from_rest = fades * (sine * s - rest * c);
         let rate = fades * w * (sine * c + rest * s) - decay * from_rest;
         [rest + from_rest, rate]
@@ -84,7 +86,8 @@ impl Swing {
         let period = 2.0 * PI / self.frequency;
         let parts = (1..20_000).map(|part| f64::from(part) / 20_000.0 * period);
         let first = parts.into_iter().find(|&t| self.at(t)[0] < 0.0)?;
-        let (mut low, mut high) = (first - period / 20_000.0, first);
+        let mut low = first - period / 20_000.0;
+        let mut high = first;
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if self.at(middle)[0] > 0.0 { low = middle } else { high = middle }
@@ -120,7 +123,8 @@ fn bounce(scheme: &str, speed: f64, dt: f64, phase: f64) -> f64 {
 
 #[test]
 fn linear_bounce_with_a_pull_follows_its_closed_form_with_second_order() {
-    let (speed, period) = (0.4, 2.0 * PI * (M / K).sqrt());
+    let speed = 0.4;
+    let period = 2.0 * PI * (M / K).sqrt();
     let exact = swing(speed).restitution().unwrap();
     assert!(exact < E - 0.02, "the pull matters: {exact}");
     let error = |scheme: &str, n: f64| {
@@ -140,7 +144,8 @@ fn linear_bounce_with_a_pull_follows_its_closed_form_with_second_order() {
 #[test]
 fn slow_grains_stick_and_fast_ones_leave() {
     // The speed at which the closed form begins to leave, by bisection.
-    let (mut low, mut high) = (1e-3, 1.0);
+    let mut low = 1e-3;
+    let mut high = 1.0;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if swing(middle).restitution().is_none() { low = middle } else { high = middle }
@@ -157,7 +162,8 @@ fn pull_counts_in_the_cap_of_friction() {
     // A sphere that a floor pulls down and gravity drags along: it slides with g - mu P/m, if that is more than it could
     // roll with, 5/7 g.
     let pull = 2.0 * PI * WORK * R;
-    let (mu, gravity) = (0.4, 2.0 * 3.5 * 0.4 * pull / M);
+    let mu = 0.4;
+    let gravity = 2.0 * 3.5 * 0.4 * pull / M;
     let keys = format!(
         "space: Solid, gravity: ({gravity:?}, 0.0, 0.0), walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))], {}, \
          step: Fixed(1.0e-5), until: 1.0",

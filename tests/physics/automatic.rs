@@ -102,7 +102,8 @@ fn errors(case: &Case, scheme: usize, dt: f64) -> [f64; 2] {
 
 #[test]
 fn rms_error_of_impacts_stays_within_the_request() {
-    let (mut largest, mut faults) = ([0.0f64; 2], Vec::new());
+    let mut largest = [0.0f64; 2];
+    let mut faults = Vec::new();
     for e in [0.95, 0.2] {
         for impact in impacts(e) {
             let case = impact.case();

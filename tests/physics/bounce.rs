@@ -47,7 +47,8 @@ fn zeta(e: f64, attraction: bool) -> f64 {
         let angle = if attraction { PI } else { PI - (2.0 * z * s).atan2(1.0 - 2.0 * z * z) };
         (-z / s * angle).exp()
     };
-    let (mut low, mut high) = (0.0, 0.999_999);
+    let mut low = 0.0;
+    let mut high = 0.999_999;
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
         if restitution(middle) > e { low = middle } else { high = middle }
@@ -56,8 +57,10 @@ fn zeta(e: f64, attraction: bool) -> f64 {
 }
 
 fn exact(e: f64, attraction: bool, m: f64) -> Exact {
-    let (z, w0) = (zeta(e, attraction), (K / m).sqrt());
-    let (beta, w) = (z * w0, w0 * (1.0 - z * z).sqrt());
+    let z = zeta(e, attraction);
+    let w0 = (K / m).sqrt();
+    let beta = z * w0;
+    let w = w0 * (1.0 - z * z).sqrt();
     let angle = if attraction { PI } else { PI - (2.0 * beta * w).atan2(w * w - beta * beta) };
     Exact { duration: angle / w, largest_overlap: V / w0 * (-beta / w * (w / beta).atan()).exp() }
 }
@@ -164,7 +167,8 @@ fn verlet_is_of_first_order_with_damping_and_of_second_order_without() {
                 let all = bounces(against, e, attraction, n).2;
                 rms(&all.iter().map(|b| b.restitution - e).collect::<Vec<_>>())
             };
-            let (coarse, fine) = (error(40.0 + PI / 8.0), error(160.0 + PI / 8.0));
+            let coarse = error(40.0 + PI / 8.0);
+            let fine = error(160.0 + PI / 8.0);
             let order = (coarse / fine).ln() / ((160.0 + PI / 8.0) / (40.0 + PI / 8.0)).ln();
             let expected = if e == 1.0 { 2.0 } else { 1.0 };
             // The next order adds a share of about w0 dt = pi/40 to the coarse error: ln(1.08)/ln(4) = 0.06 in the

@@ -6,7 +6,10 @@ use siloflow::prelude::*;
 #[test]
 fn overlaps_in_a_column_at_rest_match_the_weight_above() {
     const N: u32 = 12;
-    let (k, m, radius, g) = (1.0e5, 0.16, 0.04, 9.81);
+    let k = 1.0e5;
+    let m = 0.16;
+    let radius = 0.04;
+    let g = 9.81;
     let speed = 1.0e-8;
     let keys = format!(
         "gravity: (0.0, -{g}), contact: Linear(k: {k:?}, damping: Restitution(0.3), attraction: Forbidden), \

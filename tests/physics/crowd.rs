@@ -26,7 +26,8 @@ fn keys(law: &str, scheme: &str, dt: f64) -> String {
 /// Returns a settled bed of 150 discs of two sizes, with small random velocities.
 fn settled() -> Vec<GrainRow> {
     let start = (0..15 * COLUMNS).map(|n| {
-        let (row, column) = (n / COLUMNS, n % COLUMNS);
+        let row = n / COLUMNS;
+        let column = n % COLUMNS;
         let radius = if (7 * row + 3 * column) % 5 < 2 { 0.03 } else { 0.04 };
         let place = Vector::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * SPACING;
         let push = Vector::from_angle(f64::from(n) * 2.4) * 0.3;

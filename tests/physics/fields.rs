@@ -21,7 +21,8 @@ fn sample<V: Space>(simulation: &Simulation, grid: &str, side: Option<(f64, f64)
     let field: Field = ron::from_str(&format!("({grid}, sample: 1.0)")).unwrap();
     let mut sampler = FieldSampler::<V>::new(field, Grid::new(&field.grid, field.kernel, side), 0);
     sampler.add(&Survey::of_world(simulation.world()));
-    let (layout, sums) = (sampler.layout, sampler.layout.sums());
+    let layout = sampler.layout;
+    let sums = sampler.layout.sums();
     let means = (0..sampler.grid.len()).map(|cell| {
         let means = sampler.blocks.estimate(cell * sums..(cell + 1) * sums, |sums| layout.means_of(sums));
         means.into_iter().map(|(mean, _)| mean).collect()
@@ -44,7 +45,10 @@ impl<V: Space> Sampled<V> {
 
 #[test]
 fn a_column_of_two_grains_has_the_stress_of_its_weights() {
-    let (k, m, radius, g) = (1.0e5, 0.16, 0.04, 9.81);
+    let k = 1.0e5;
+    let m = 0.16;
+    let radius = 0.04;
+    let g = 9.81;
     let keys = format!(
         "gravity: (0.0, -{g}), contact: Linear(k: {k:?}, damping: Restitution(0.3), attraction: Forbidden), \
          walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], step: Fixed(1.0e-4), \
@@ -54,7 +58,10 @@ fn a_column_of_two_grains_has_the_stress_of_its_weights() {
     let mut simulation = simulation(&keys, grains.to_vec());
     assert_eq!(simulation.run(), End::AtRest);
     let [first, second] = [0, 1].map(|n| motion(&mut simulation)[n].position.y);
-    let (low, high, rows, width) = (-0.02, 0.2, 44u16, 0.1);
+    let low = -0.02;
+    let high = 0.2;
+    let rows = 44u16;
+    let width = 0.1;
     let field = sample::<Plane>(
         &simulation,
         &format!("grid: XY(low: (-0.05, {low}), high: (0.05, {high}), cells: (1, {rows}))"),
@@ -62,7 +69,8 @@ fn a_column_of_two_grains_has_the_stress_of_its_weights() {
     );
     let step = (high - low) / f64::from(rows);
     for row in 0..usize::from(rows) {
-        let (from, to) = (low + step * row as f64, low + step * (row + 1) as f64);
+        let from = low + step * row as f64;
+        let to = low + step * (row + 1) as f64;
         // The line of each contact in the row carries the weight above: 2 m g below the first centre, m g up to the second.
         let part = |start: f64, end: f64| (to.min(end) - from.max(start)).max(0.0);
         let expected = m * g * (2.0 * part(0.0, first) + part(first, second)) / (step * width);
@@ -123,7 +131,8 @@ fn a_bed_at_rest_carries_the_weight_above_in_every_row_and_its_stress_has_the_di
     let h = 0.01;
     let at = |x: usize, y: usize, a: usize, b: usize| fine.contact(y * 80 + x % 80, a, b);
     let difference = |near: [f64; 2], far: [f64; 2]| (8.0 * (near[1] - near[0]) - (far[1] - far[0])) / (12.0 * h);
-    let (mut largest_error, mut largest_weight) = (0.0f64, 0.0f64);
+    let mut largest_error = 0.0f64;
+    let mut largest_weight = 0.0f64;
     for y in 2..58 {
         for x in 80..160 {
             let divergence = [0, 1].map(|a| {
@@ -173,7 +182,9 @@ fn cloud() -> (Simulation, Vec<GrainRow>) {
 #[test]
 fn integrals_over_every_grid_are_the_sums_over_grains_and_contacts() {
     let (simulation, grains) = cloud();
-    let (mass, mut virial, mut contacts) = (grains.iter().map(|grain| grain.mass).sum::<f64>(), [0.0; 9], 0);
+    let mass = grains.iter().map(|grain| grain.mass).sum::<f64>();
+    let mut virial = [0.0; 9];
+    let mut contacts = 0;
     for (n, a) in grains.iter().enumerate() {
         for b in &grains[..n] {
             let mut l = a.position - b.position;
@@ -227,7 +238,8 @@ fn rings_hold_the_whole_mass_and_the_invariants_of_the_stress() {
         "grid: RZ(axis: (0.21, 0.3), radius: 0.6, low: -0.1, high: 0.6, cells: (7, 9))",
         None,
     );
-    let (mut trace, mut vertical) = (0.0, 0.0);
+    let mut trace = 0.0;
+    let mut vertical = 0.0;
     for (n, a) in grains.iter().enumerate() {
         for b in &grains[..n] {
             let l = a.position - b.position;
@@ -244,7 +256,8 @@ fn rings_hold_the_whole_mass_and_the_invariants_of_the_stress() {
     let mass = field.integral(|cell| field.means[cell][1]);
     assert!((mass / (50.0 * 0.3) - 1.0).abs() < 1e-13, "{mass}");
     // A rigid rotation about the axis is along the angle alone, so the radial velocity is zero: here for one grain.
-    let (omega, place) = (3.0, DVec3::new(0.3, 0.4, 0.0));
+    let omega = 3.0;
+    let place = DVec3::new(0.3, 0.4, 0.0);
     let turning = sphere(1, place, DVec3::new(-omega * 0.4, omega * 0.3, 0.7), 0.01, 1.0);
     let mut simulation = crate::simulation(keys, vec![turning]);
     simulation.step();
@@ -257,10 +270,16 @@ fn rings_hold_the_whole_mass_and_the_invariants_of_the_stress() {
 fn a_sheared_lattice_has_its_known_stress() {
     // A square lattice of spacing d, each row shifted by e d (`shift` is e) against the row below, periodic after eight rows. Each grain
     // has half of four bonds: one (d, 0) and one (e d, d) in the area d^2. So sigma = sum of f l / d^2.
-    let (stiffness, d, radius, shift, n) = (1.0e4, 0.1, 0.052, 0.125, 8u32);
-    let (more, drift) = (Vector::new(0.3, -0.2), 5.0);
+    let stiffness = 1.0e4;
+    let d = 0.1;
+    let radius = 0.052;
+    let shift = 0.125;
+    let n = 8u32;
+    let more = Vector::new(0.3, -0.2);
+    let drift = 5.0;
     let grains = (0..n * n).map(|at| {
-        let (column, row) = (at % n, at / n);
+        let column = at % n;
+        let row = at / n;
         let x = (d * (f64::from(column) + 0.5 + shift * f64::from(row))).rem_euclid(d * f64::from(n));
         // Half of the grains have the velocity `more` more than the mean, the others less.
         let sign = if (column + row) % 2 == 0 { 1.0 } else { -1.0 };
@@ -272,8 +291,10 @@ fn a_sheared_lattice_has_its_known_stress() {
     );
     let mut simulation = simulation(&keys, grains.collect());
     simulation.step();
-    let (length, density) = (d * (1.0 + shift * shift).sqrt(), 2.0 / (d * d));
-    let (flat, steep) = (stiffness * (2.0 * radius - d), stiffness * (2.0 * radius - length) / length);
+    let length = d * (1.0 + shift * shift).sqrt();
+    let density = 2.0 / (d * d);
+    let flat = stiffness * (2.0 * radius - d);
+    let steep = stiffness * (2.0 * radius - length) / length;
     let along = shift * steep * d * d;
     let expected = [flat * d + shift * along, along, along, steep * d * d];
     for (cells, tolerance) in [("cells: (1, 1)", 1e-12), ("cells: (16, 16)), kernel: Gaussian(0.5", 1e-6)] {

@@ -15,7 +15,9 @@ fn spring(k_t: f64, gamma: f64) -> String {
 #[test]
 fn sliding_sphere_ends_rolling_at_five_sevenths_and_disc_at_two_thirds_of_its_speed() {
     for case in Case::both(0.0) {
-        let (q, u0, dt) = (case.q(), 1.0, 2.0e-5);
+        let q = case.q();
+        let u0 = 1.0;
+        let dt = 2.0e-5;
         let slip_ends = u0 / (MU * G * (1.0 + 1.0 / q));
         let steps = (2.0 * slip_ends / dt) as u64;
         // F_t and its torque change u and q R w by opposite amounts for any F_t. So u + q R w = u0 holds up to
@@ -56,9 +58,11 @@ fn non_rotating_grain_sticks_below_its_friction_angle() {
     // would slip. With overdamping the overshoot is at most 1/(4 zeta^2), 1.6 % here. That is the deceleration of a
     // body with speed g sin/gamma that decays at the rate w^2/gamma.
     for case in Case::both(0.98 * MU) {
-        let (zeta, w) = (4.0, (K_T / M).sqrt());
+        let zeta = 4.0;
+        let w = (K_T / M).sqrt();
         let slow = w * (zeta - f64::sqrt(zeta * zeta - 1.0));
-        let (dt, end) = (0.05 / (zeta * w), 40.0 / slow);
+        let dt = 0.05 / (zeta * w);
+        let end = 40.0 / slow;
         let steps = (end / dt) as u64;
         let now = case.start(&spring(K_T, 2.0 * zeta * w), dt, 0.0, 0.0).never_turning().after(steps);
         // The slow root contributes less than 1.1 of the approach, and e^-40 of it is left.
@@ -71,10 +75,13 @@ fn non_rotating_grain_sticks_below_its_friction_angle() {
 #[test]
 fn non_rotating_grain_slides_above_its_friction_angle() {
     for case in Case::both(1.02 * MU) {
-        let (zeta, w) = (4.0, (K_T / M).sqrt());
-        let (dt, half) = (0.05 / (zeta * w), 12_000);
+        let zeta = 4.0;
+        let w = (K_T / M).sqrt();
+        let dt = 0.05 / (zeta * w);
+        let half = 12_000;
         let mut ride = case.start(&spring(K_T, 2.0 * zeta * w), dt, 0.0, 0.0).never_turning();
-        let (first, then) = (ride.after(half), ride.time());
+        let first = ride.after(half);
+        let then = ride.time();
         let last = ride.after(2 * half);
         let acceleration = (last.u - first.u) / (ride.time() - then);
         let expected = case.drive() - MU * case.press();
@@ -96,7 +103,8 @@ fn undamped_grain_released_on_a_slope_oscillates_about_its_rest_position() {
     // below that.
     for case in Case::both(0.49 * MU) {
         let w = (K_T / M).sqrt();
-        let (dt, steps) = (0.05 / w, 2000);
+        let dt = 0.05 / w;
+        let steps = 2000;
         let amplitude = M * case.drive() / K_T;
         let mut ride = case.start(&spring(K_T, 0.0), dt, 0.0, 0.0).never_turning();
         for step in 0..steps {
@@ -150,7 +158,8 @@ fn with_a_memoryless_dashpot_a_grain_creeps_down_any_slope() {
 fn with_a_memoryless_dashpot_the_slip_decays_exponentially() {
     for case in Case::both(0.0) {
         // Half the slip at which the force would reach its cap.
-        let (q, u0) = (case.q(), 0.5 * MU * G / GAMMA);
+        let q = case.q();
+        let u0 = 0.5 * MU * G / GAMMA;
         let rate = GAMMA * (1.0 + 1.0 / q);
         let dt = 0.02 / rate;
         let mut ride = case.start(&dashpot(), dt, u0, 0.0);

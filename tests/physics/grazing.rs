@@ -43,22 +43,31 @@ fn grazing(solid: bool) -> Vec<GrainRow> {
 /// accumulated so far. Without rolling resistance it also compares the spin of the first grain with the impulse of
 /// friction at its lever.
 fn graze(solid: bool, lever: &str, law: fn(&str) -> String) {
-    let (contact, leaks, rolls) = (law(lever), lever == "Radius", law(lever).contains("rolling"));
-    let (dt, grains) = (2.0e-5, grazing(solid));
+    let contact = law(lever);
+    let leaks = lever == "Radius";
+    let rolls = law(lever).contains("rolling");
+    let dt = 2.0e-5;
+    let grains = grazing(solid);
     let reach = grains[0].radius + grains[1].radius;
     let mut simulation = simulation(&keys(solid, &contact, dt), grains.clone());
     // Each step rounds m v x and I w in both kicks, and m v x in the drift, for both grains: by half an ulp of their
     // initial sum 0.09 kg x 1.1 m/s x 0.6 m.
     let tolerance = |steps: u64| 4.0 * steps as f64 * f64::EPSILON * 0.09 * 1.1 * 0.6;
-    let (mut leak, mut turned, mut last, mut touched) = (DVec3::ZERO, DVec3::ZERO, [DVec3::ZERO; 2], 0);
-    let (mut start, mut spin) = (DVec3::ZERO, DVec3::ZERO);
+    let mut leak = DVec3::ZERO;
+    let mut turned = DVec3::ZERO;
+    let mut last = [DVec3::ZERO; 2];
+    let mut touched = 0;
+    let mut start = DVec3::ZERO;
+    let mut spin = DVec3::ZERO;
     for step in 0..STEPS {
         simulation.run_steps(step);
         let state = motion(&mut simulation);
-        let (angular, own) = (momenta(solid, &grains, &state).1, inertia(solid, &grains[0]) * state[0].spin);
+        let angular = momenta(solid, &grains, &state).1;
+        let own = inertia(solid, &grains[0]) * state[0].spin;
         let (apart, force) = pair(&simulation, solid);
         // n x F = n x F_t: the normal force drops out.
-        let (overlap, friction) = (reach - apart.length(), apart.normalize().cross(force));
+        let overlap = reach - apart.length();
+        let friction = apart.normalize().cross(force);
         let arm = grains[0].radius - if leaks { 0.0 } else { overlap * grains[1].radius / reach };
         let torques = [if leaks { -overlap * friction } else { DVec3::ZERO }, -arm * friction];
         if step == 0 {
@@ -97,14 +106,17 @@ fn with_lever_contact_point_angular_momentum_is_conserved() {
 #[test]
 fn friction_has_no_component_along_a_turning_normal() {
     for solid in [true, false] {
-        let (dt, grains) = (2.0e-5, grazing(solid));
-        let (m, reach) = ([grains[0].mass, grains[1].mass], grains[0].radius + grains[1].radius);
+        let dt = 2.0e-5;
+        let grains = grazing(solid);
+        let m = [grains[0].mass, grains[1].mass];
+        let reach = grains[0].radius + grains[1].radius;
         let keys = format!("{}, integrator: Verlet", keys(solid, &linear("Radius"), dt));
         let mut simulation = simulation(&keys, grains);
         // c = 2 zeta sqrt(k m_eff), where e = 1/2 = exp(-pi zeta/sqrt(1 - zeta^2)).
         let ln = 2.0f64.ln();
         let c = 2.0 * ln / ln.hypot(PI) * (K * m[0] * m[1] / (m[0] + m[1])).sqrt();
-        let (mut turned, mut first) = (0.0f64, None);
+        let mut turned = 0.0f64;
+        let mut first = None;
         for step in 0..STEPS {
             simulation.run_steps(step);
             let state = motion(&mut simulation);

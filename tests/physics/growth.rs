@@ -87,7 +87,8 @@ fn load(count: usize, law: &Law) -> f64 {
 
 /// Returns the growth of the fastest growing motion in a step.
 fn growth(count: usize, law: &Law) -> f64 {
-    let (rows, shares) = (rows(count), shares(law));
+    let rows = rows(count);
+    let shares = shares(law);
     // A law without resistance to rolling or twisting has no such springs.
     let rows: Vec<_> = rows.into_iter().filter(|&(part, _)| law[part] != [0.0; 2]).collect();
     let gathering = if follow_positions(law) { 0 } else { rows.iter().filter(|row| row.0 > 0).count() };
@@ -148,7 +149,8 @@ fn with_step(law: &Law, by: f64) -> Law {
 
 /// Returns the longest stable step in units of that of the law, by the condition.
 fn longest(count: usize, law: &Law) -> f64 {
-    let (mut low, mut high) = (0.0, 1e4);
+    let mut low = 0.0;
+    let mut high = 1e4;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if load(count, &with_step(law, middle)) < 4.0 { low = middle } else { high = middle }
@@ -242,7 +244,10 @@ impl Held {
 /// Laws of simulations in units of the step: no dashpots; normal ones; weak ones along tangents too; enough of them for springs that follow
 /// predicted velocities.
 fn held_laws() -> [Law; 4] {
-    let (k, kt, kr, kw) = (1.0, 2.0 / 7.0, 0.1, 0.05);
+    let k = 1.0;
+    let kt = 2.0 / 7.0;
+    let kr = 0.1;
+    let kw = 0.05;
     [
         [[k, 0.0], [kt, 0.0], [kr, 0.0], [kw, 0.0]],
         [[k, 0.43], [kt, 0.0], [kr, 0.0], [kw, 0.0]],
@@ -287,9 +292,11 @@ fn a_swing_without_tangential_dashpots_keeps_its_energy() {
     // The motion along the normal has died away after 2000 steps: its energy falls as exp(-2 c t/m).
     simulation.run_steps(2000);
     let flows = |simulation: &siloflow::prelude::Simulation| simulation.world().resource::<EnergyFlows>().dissipated;
-    let (early, lost) = (energy(&simulation) - pressed, flows(&simulation));
+    let early = energy(&simulation) - pressed;
+    let lost = flows(&simulation);
     simulation.run_steps(200_000);
-    let (late, dissipated) = (energy(&simulation) - pressed, flows(&simulation) - lost);
+    let late = energy(&simulation) - pressed;
+    let dissipated = flows(&simulation) - lost;
     // Velocity Verlet keeps a neighbour of the energy, which differs from it by (w dt)^2/8 of it at most.
     let bound = 0.25 * 2.0 * 0.05f64.powi(2) * early;
     assert!((late - early).abs() < bound, "{early:e} J, then {late:e} J");

@@ -71,7 +71,8 @@ impl Impact {
     /// into the second step.
     pub fn keys(&self, e: f64, attraction: &str, n: f64, phase: f64) -> (String, f64, f64) {
         let dt = self.exact()[2] / n;
-        let (poisson, young) = (self.poisson, self.young);
+        let poisson = self.poisson;
+        let young = self.young;
         let tangential = if self.on_wall { "" } else { ", tangential: Mindlin(friction: 0.35)" };
         let keys = format!(
             "contact: Hertz(restitution: {e:?}, attraction: {attraction}{tangential}), materials: \
@@ -107,12 +108,14 @@ impl Impact {
 pub fn measure_bounce(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
     let (keys, dt, gap) = impact.keys(e, "Allowed", n, phase);
     let mut simulation = impact.in_solid_space(&keys, gap);
-    let (mut force, mut overlap) = (0.0f64, 0.0f64);
+    let mut force = 0.0f64;
+    let mut overlap = 0.0f64;
     for step in 0..(6.0 * n) as u64 {
         simulation.run_steps(step);
         let store = simulation.world().resource::<ParticleStore<Solid>>();
         let entries = store.by_id();
-        let (first, second) = (store.body[entries[0]], entries.get(1).map(|&entry| store.body[entry]));
+        let first = store.body[entries[0]];
+        let second = entries.get(1).map(|&entry| store.body[entry]);
         let depth = second.map_or(first.radius - first.position.z, |second| {
             first.radius + second.radius - (first.position.z - second.position.z)
         });
@@ -141,7 +144,8 @@ fn elastic_impacts_match_hertz_closed_forms() {
         // 3/5 in force. The steps miss the deepest point by half a step at most: 1.25 (2.943/2)^2/2 = 1.353 parts in
         // overlap, 3/2 of that in force. A mean over the bounce, with dT/dE from the action, gives -0.510 parts for the
         // duration.
-        let (up, down) = ([0.677, 0.451], [2.030, 1.353]);
+        let up = [0.677, 0.451];
+        let down = [2.030, 1.353];
         // The spring force d^(3/2) starts and ends within a step. By Euler and Maclaurin its sum over steps errs by
         // zeta(-3/2, phase), from -0.0315 to 0.0241, times the force of one step. The errors at touch and at parting
         // have opposite signs: together 1.25 x 2.943^2.5 x 0.0556 = 1.03 N^-2.5 of the speed.
@@ -155,7 +159,8 @@ fn elastic_impacts_match_hertz_closed_forms() {
             }
             for i in 0..2 {
                 let error = seen[i] / exact[i] - 1.0;
-                let (low, high) = ((up[i] - down[i]) / (n * n) - ends, up[i] / (n * n) + ends);
+                let low = (up[i] - down[i]) / (n * n) - ends;
+                let high = up[i] / (n * n) + ends;
                 assert!(low < error && error < high, "{} not {} ({error:e}: {low:e} to {high:e})", seen[i], exact[i]);
             }
             let shift = (seen[2] / exact[2] - 1.0) + 0.510 / (n * n);

@@ -69,7 +69,8 @@ fn measured((wall, foot, normal, _): Case, duration: f64, n: f64, phase: f64) ->
         1000.0 * YOUNG
     );
     let mut run = simulation(&keys, vec![sphere(1, foot + normal * (RADIUS + gap), -SPEED * normal, RADIUS, MASS)]);
-    let (mut force, mut overlap) = (0.0f64, 0.0f64);
+    let mut force = 0.0f64;
+    let mut overlap = 0.0f64;
     for step in 0..(6.0 * n) as u64 {
         run.run_steps(step);
         let store = run.world().resource::<ParticleStore<Solid>>();
@@ -118,7 +119,9 @@ fn impacts_on_curved_walls_match_the_closed_forms_of_the_mean_curvature() {
 
 /// Complete elliptic integrals K and E of the parameter m = e^2, by the arithmetic-geometric mean.
 fn elliptic(m: f64) -> [f64; 2] {
-    let (mut means, mut half_difference, mut power) = ([1.0, (1.0 - m).sqrt()], m.sqrt(), 0.5);
+    let mut means = [1.0, (1.0 - m).sqrt()];
+    let mut half_difference = m.sqrt();
+    let mut power = 0.5;
     let mut sum = power * m;
     while half_difference > 1e-12 {
         let [one, other] = means;
@@ -137,7 +140,8 @@ fn stiffness_of_ellipse(a: f64, b: f64) -> f64 {
         [e / (ratio * ratio) - k, k - e, k]
     };
     // The ratio of the half-axes, by bisection.
-    let (mut low, mut high) = (0.1, 1.0 - 1e-6);
+    let mut low = 0.1;
+    let mut high = 1.0 - 1e-6;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         let [long, short, _] = terms(middle);

@@ -88,7 +88,8 @@ fn damping_reduces_the_largest_overlap_as_the_closed_form_predicts() {
             // The smaller effective mass changes w0 and zeta by at most half of `share`. It changes y by at most (1 +
             // d(zeta/s acos zeta)/d(ln zeta))/2 of `share`, below 1 up to zeta = 0.5. The error of the contact's end is
             // the one derived for e. The second-order error is at most its value without damping.
-            let (share, (_, end)) = (zeta * 1.25 * DURATION / n, first_order(zeta, e, n));
+            let share = zeta * 1.25 * DURATION / n;
+            let (_, end) = first_order(zeta, e, n);
             let tolerance = 0.8 * (share + end) + 1.353 / (n * n);
             assert!((overlap / exact - 1.0).abs() < tolerance, "e = {e}: {overlap} m, not {exact} m, {tolerance:e}");
         }
@@ -113,7 +114,8 @@ fn restitution_converges_with_the_predicted_order() {
             let one = |phase| restitution(scheme, "Solid", &ALUMINIUM_OXIDE, e, attraction, n, phase) - e;
             rms(&(0..PHASES).map(|phase| one(f64::from(phase) / f64::from(PHASES))).collect::<Vec<_>>())
         };
-        let (coarse, fine) = (50.0 + PI / 8.0, 400.0 + PI / 8.0);
+        let coarse = 50.0 + PI / 8.0;
+        let fine = 400.0 + PI / 8.0;
         let order = (error(coarse) / error(fine)).ln() / (fine / coarse).ln();
         // Each mean is over 40 phases with errors that scatter by their own size, and two means enter: sqrt(2/40)/ln(8)
         // = 0.11.

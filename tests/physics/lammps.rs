@@ -23,7 +23,9 @@ fn twenty_discs_agree_with_lammps_within_a_nanometre() {
     let mut compared = 0;
     for line in frames.lines().skip(1) {
         let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        let (time, id, x) = (row[0], row[1] as usize, Vector::new(row[2], row[3]));
+        let time = row[0];
+        let id = row[1] as usize;
+        let x = Vector::new(row[2], row[3]);
         if time > 0.2 + 1e-9 {
             continue;
         }
@@ -62,7 +64,9 @@ fn twenty_frictional_spheres_agree_with_lammps_within_a_nanometre() {
     let mut compared = 0;
     for line in frames.lines().skip(1) {
         let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        let (time, id, x) = (row[0], row[1] as usize, Solid::new(row[2], row[3], row[4]));
+        let time = row[0];
+        let id = row[1] as usize;
+        let x = Solid::new(row[2], row[3], row[4]);
         simulation.run_steps((time / 2.0e-6).round() as u64);
         let ours = motion(&mut simulation)[id - 1];
         // The scheme is the same, the order of summation differs. A round-off of 7e-18 m grows 3e4 times by 0.05 s

@@ -37,9 +37,11 @@ struct Contact {
 impl Contact {
     /// Returns u and u' at time `t` after the touch: a damped oscillation about -g/w0^2.
     fn at(&self, t: f64) -> (f64, f64) {
-        let (beta, w) = (self.zeta * self.w0, self.w0 * (1.0 - self.zeta * self.zeta).sqrt());
+        let beta = self.zeta * self.w0;
+        let w = self.w0 * (1.0 - self.zeta * self.zeta).sqrt();
         let sag = G / (self.w0 * self.w0);
-        let (a, b) = (sag, (beta * sag - self.speed) / w);
+        let a = sag;
+        let b = (beta * sag - self.speed) / w;
         let (sin, cos) = (w * t).sin_cos();
         let decay = (-beta * t).exp();
         (decay * (a * cos + b * sin) - sag, decay * ((w * b - beta * a) * cos - (w * a + beta * b) * sin))
@@ -119,7 +121,8 @@ fn falling_and_bouncing_ball_matches_its_closed_form() {
                 (RADIUS + u, v, error / w0, error)
             } else {
                 let rise = t - touch - end;
-                let (y, v) = (RADIUS + parting * rise - 0.5 * G * rise * rise, parting - G * rise);
+                let y = RADIUS + parting * rise - 0.5 * G * rise * rise;
+                let v = parting - G * rise;
                 (y, v, error * (1.0 / w0 + rise), error)
             };
             assert!((y - exact_y).abs() <= tolerance_y, "{space}, e = {e}, {t} s: y = {y}, not {exact_y}");
@@ -138,7 +141,9 @@ fn bounce_heights_match_the_soft_sphere_and_approach_the_hard_sphere() {
         for e in [0.5, 0.6, 0.7, 0.8, 0.9, 1.0] {
             let (mut simulation, dt, w0) = ball("Plane", k, e);
             let zeta = zeta(e);
-            let (mut speed, mut now, mut error) = ((2.0 * G * fall).sqrt(), (2.0 * fall / G).sqrt(), 0.0);
+            let mut speed = (2.0 * G * fall).sqrt();
+            let mut now = (2.0 * fall / G).sqrt();
+            let mut error = 0.0;
             for bounce in 1..=5 {
                 // To first order in g, the contact lasts longer by (1 + e)/e g/(w0^2 v); `delay` is that times w0.
                 // Beyond a quarter, gravity dominates the contact.

@@ -35,7 +35,9 @@ fn masses() -> [f64; 2] {
 fn reference(e: f64, dt: f64, steps: u32) -> [f64; 2] {
     let [m1, m2] = masses();
     let drag = |m: f64| 2.0 * zeta(e) * (K * m).sqrt();
-    let (wall_1, wall_2, between) = (drag(m1), drag(m2), drag(m1 * m2 / (m1 + m2)));
+    let wall_1 = drag(m1);
+    let wall_2 = drag(m2);
+    let between = drag(m1 * m2 / (m1 + m2));
     let rates = |[y1, y2, v1, v2]: [f64; 4]| {
         let pair = K * (2.0 * RADIUS - (y2 - y1)) + between * (v1 - v2);
         let floor = K * (RADIUS - y1) - wall_1 * v1;
@@ -101,7 +103,8 @@ fn largest_error(scheme: &str, space: &str, e: f64, n: u32) -> f64 {
 fn stacked_pair_between_walls_converges_to_the_reference_solution() {
     for (scheme, space) in [("Verlet", "Solid"), ("Verlet", "Plane"), ("Centred", "Solid"), ("Centred", "Plane")] {
         for e in [1.0, 0.9, 0.7, 0.5] {
-            let (coarse, fine) = (largest_error(scheme, space, e, 200), largest_error(scheme, space, e, 800));
+            let coarse = largest_error(scheme, space, e, 200);
+            let fine = largest_error(scheme, space, e, 800);
             let w_dt = 2.0 * PI / 200.0;
             // Verlet's phase error is (w dt)^2/24 of w t. Centred damping has an error of second order too, which
             // matters up to w t = 1/zeta. In Verlet the damping acts at v(t - dt/2), which adds a force c a dt/2 in

@@ -29,7 +29,8 @@ fn sticking_contact_swings_with_the_chosen_drag() {
              OfNormal({share:?}))), materials: [(young: {YOUNG:?}, poisson: {POISSON:?})], step: Fixed(1.0e-6), until: 1.0",
             -G
         );
-        let (slip, decay) = (1.0e-3, 0.5 * share * drag / mass);
+        let slip = 1.0e-3;
+        let decay = 0.5 * share * drag / mass;
         let frequency = (stiffness / mass - decay * decay).sqrt();
         let mut simulation = simulation(&keys, vec![sphere(1, Solid::Z * (R - overlap), Solid::X * slip, R, M)]);
         for part in 1..=8 {

@@ -101,8 +101,10 @@ fn changes(solid: bool, contact: &str) -> [(f64, f64); 2] {
     // at most half an ulp, with a sign that is random per grain only.
     let speed = grains.iter().map(|grain| grain.velocity.length()).fold(0.0, f64::max);
     let arm = state.iter().map(|now| now.position.length()).fold(0.0, f64::max);
-    let (steps, half_ulp) = (STEPS as f64, 0.5 * f64::EPSILON * 0.16 * speed);
-    let (kicks, drifts) = ((100.0 * 4.0 * steps).sqrt() * half_ulp, 100.0f64.sqrt() * steps * half_ulp);
+    let steps = STEPS as f64;
+    let half_ulp = 0.5 * f64::EPSILON * 0.16 * speed;
+    let kicks = (100.0 * 4.0 * steps).sqrt() * half_ulp;
+    let drifts = 100.0f64.sqrt() * steps * half_ulp;
     [((after.0 - before.0).length(), kicks), ((after.1 - before.1).length(), (kicks + drifts) * arm)]
 }
 

@@ -20,7 +20,11 @@ const FRICTION: &str = "tangential: Spring(k: 2857.0, damping: OfNormal(0.5), fr
 /// A grain that lies on an oscillating floor. With u the height over the place of rest and w the place of the floor,
 /// u'' = -w0^2 (u - w), u(0) = u'(0) = 0.
 fn on_a_vibrating_floor(dt: f64) -> (Simulation, f64, f64) {
-    let (m, k, amplitude, frequency, radius) = (0.05f64, 1.0e4f64, 1.0e-5, 20.0, 0.01);
+    let m = 0.05f64;
+    let k = 1.0e4f64;
+    let amplitude = 1.0e-5;
+    let frequency = 20.0;
+    let radius = 0.01;
     let keys = format!(
         "gravity: (0.0, -9.81), contact: Linear(k: {k:?}, damping: B(0.0)), step: Fixed({dt:?}), until: 10.0, integrator: Verlet,
          walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"floor\")],
@@ -30,7 +34,8 @@ fn on_a_vibrating_floor(dt: f64) -> (Simulation, f64, f64) {
     let mut run = simulation(&keys, vec![grain(1, Vector::new(0.1, rest), Vector::ZERO, radius, m)]);
     let time = 0.1;
     run.run_steps((time / dt).round() as u64);
-    let (own, pulse) = ((k / m).sqrt(), TAU * frequency);
+    let own = (k / m).sqrt();
+    let pulse = TAU * frequency;
     let exact =
         amplitude * own / (own * own - pulse * pulse) * (own * (pulse * time).sin() - pulse * (own * time).sin());
     let height = motion(&mut run)[0].position.y - rest;
@@ -50,7 +55,8 @@ fn a_vibrating_floor_drives_a_grain_as_the_driven_oscillator() {
 fn the_work_of_a_vibrating_floor_is_the_energy_of_the_grain() {
     let [coarse, fine] = [4.0e-5, 2.0e-5].map(|dt| {
         let (run, ..) = on_a_vibrating_floor(dt);
-        let (totals, flows) = (totals::of_world(run.world()), *run.world().resource::<EnergyFlows>());
+        let totals = totals::of_world(run.world());
+        let flows = *run.world().resource::<EnergyFlows>();
         assert!(flows.wall_work.abs() > 1.0e-8, "{flows:?}");
         (totals.energy() - flows.expected()).abs()
     });
@@ -74,7 +80,9 @@ fn boxed(more: &str, grains: Vec<GrainRow>, steps: u64) -> Vec<Motion> {
     let panel = |corner: &str, along: &str, across: &str| {
         format!("Panel(corner: {corner}, along: {along}, across: {across}, name: \"box\")")
     };
-    let (x, y, z) = ("(0.08, 0.0, 0.0)", "(0.0, 0.08, 0.0)", "(0.0, 0.0, 0.08)");
+    let x = "(0.08, 0.0, 0.0)";
+    let y = "(0.0, 0.08, 0.0)";
+    let z = "(0.0, 0.0, 0.08)";
     let low = "(-0.04, -0.04, -0.04)";
     let walls = [
         panel(low, x, y),
@@ -101,7 +109,8 @@ fn a_box_at_constant_velocity_is_a_box_at_rest() {
     let moved = crowd().into_iter().map(|row| GrainRow { velocity: row.velocity + drift, ..row }).collect();
     let motions = "motions: [(walls: \"box\", translate: Steady((0.3, -1.1, 0.7)))]";
     let steps = 2000;
-    let (still, moving) = (boxed("motions: []", crowd(), steps), boxed(motions, moved, steps));
+    let still = boxed("motions: []", crowd(), steps);
+    let moving = boxed(motions, moved, steps);
     let time = 2.0e-5 * steps as f64;
     for (a, b) in still.iter().zip(&moving) {
         // Rounding of positions of 0.1 m over 2000 steps, 2000 eps 0.1 m = 4e-14 m, times the growth of a difference in up to
@@ -121,7 +130,8 @@ fn a_straight_table_is_a_steady_motion() {
     std::fs::write(&file, "time_s,x_m,y_m,z_m\n0,0,0,0\n0.013,0.0039,0,0.0013\n1,0.3,0,0.1\n").unwrap();
     let table = format!("motions: [(walls: \"box\", translate: Table(file: {file:?}))]");
     let steady = "motions: [(walls: \"box\", translate: Steady((0.3, 0.0, 0.1)))]";
-    let (a, b) = (boxed(&table, crowd(), 1000), boxed(steady, crowd(), 1000));
+    let a = boxed(&table, crowd(), 1000);
+    let b = boxed(steady, crowd(), 1000);
     // As above; half the time, half the collisions.
     let apart = a.iter().zip(&b).map(|(a, b)| (a.position - b.position).length()).fold(0.0, f64::max);
     assert!(apart < 2.0e-14 * 6f64.powi(6), "{apart}");

@@ -19,7 +19,10 @@ fn test_5() -> [Law; 2] {
 }
 
 fn dem05() -> Law {
-    let (k, k_t, friction, radius) = (1.72e7, 1.48e7, 0.092, 0.0025f64);
+    let k = 1.72e7;
+    let k_t = 1.48e7;
+    let friction = 0.092;
+    let radius = 0.0025f64;
     let keys = format!(
         "contact: Linear(k: {k:?}, damping: B(0.0), attraction: Allowed, \
          tangential: Spring(k: {k_t:?}, damping: B(0.0), friction: {friction:?})),"
@@ -64,14 +67,16 @@ fn gross_sliding_matches_its_closed_form() {
         let mut impacts_checked = 0;
         for (law, impacts) in cases() {
             let e = (-PI * law.zeta / (1.0 - law.zeta * law.zeta).sqrt()).exp();
-            let (mu, r) = (law.friction, law.radius);
+            let mu = law.friction;
+            let r = law.radius;
             for [v_n, v_t] in impacts.into_iter().filter(|[v_n, v_t]| v_t / v_n > mu * (1.0 + q) * (1.0 + e)) {
                 impacts_checked += 1;
                 let after = law.simulate(space, v_n, v_t, 0.3);
                 if law.zeta == 0.0 {
                     // The friction of each step is mu times its normal force. The changes of both velocities therefore
                     // agree to the rounding of N steps, even where the steps themselves are inaccurate.
-                    let (rubbed, round_off) = (mu * (v_n + after.normal), 4.0 * N * f64::EPSILON * v_t);
+                    let rubbed = mu * (v_n + after.normal);
+                    let round_off = 4.0 * N * f64::EPSILON * v_t;
                     assert!((v_t - after.tangential - rubbed).abs() < round_off, "{} of {rubbed}", after.tangential);
                     assert!((r * after.spin + q * rubbed).abs() < q * round_off, "{} of {rubbed}", after.spin);
                 }
@@ -84,7 +89,8 @@ fn gross_sliding_matches_its_closed_form() {
                 // damping.
                 let elastic = if law.p == 1.0 { (PI / N).powi(2) } else { 1.03 * N.powf(-2.5) };
                 let tolerance = mu * v_n * (elastic + law.zeta * 3.68 / N);
-                let (velocity, spin) = (v_t - rubbed, -q * rubbed / r);
+                let velocity = v_t - rubbed;
+                let spin = -q * rubbed / r;
                 assert!((after.tangential - velocity).abs() < tolerance, "v_t {}, not {velocity}", after.tangential);
                 assert!((after.spin - spin).abs() < q * tolerance / r, "w {}, not {spin}", after.spin);
             }
@@ -109,7 +115,8 @@ fn stick_and_slip_match_the_differential_equations() {
             let share = drag + if slides { 3.0 * step * step } else { step };
             for phase in 0..4 {
                 let after = law.simulate("Solid", v_n, v_t, f64::from(phase) / 4.0);
-                let (velocity, spin) = (after.tangential - exact.tangential, law.radius * (after.spin - exact.spin));
+                let velocity = after.tangential - exact.tangential;
+                let spin = law.radius * (after.spin - exact.spin);
                 let tolerance = share * v_t / (1.0 + q);
                 assert!(velocity.abs() < tolerance, "{v_n}, {v_t} m/s: v_t off by {velocity:e}, not {tolerance:e}");
                 assert!(spin.abs() < q * tolerance, "{v_n}, {v_t} m/s: R w off by {spin:e}, not {:e}", q * tolerance);

@@ -193,7 +193,8 @@ fn adhesion_beyond_touch_agrees() {
 #[test]
 fn kinds_of_rolling_resistance_agree() {
     let of = |kind: RollingKind, damping: Damping| rolling(damping).map(|rolling| Rolling { kind, ..rolling });
-    let (elastic, torque) = (of(RollingKind::Elastic, Damping::B(2.0)), of(RollingKind::Torque, Damping::B(0.0)));
+    let elastic = of(RollingKind::Elastic, Damping::B(2.0));
+    let torque = of(RollingKind::Torque, Damping::B(0.0));
     assert_same(22, with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), elastic, false));
     assert_same(23, with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), torque, true));
     assert_same(24, hertz(0.6, false, Some(0.3), elastic, false));

@@ -37,7 +37,8 @@ fn apart(periodic: Motion, open: Motion, axes: &[usize]) -> [f64; 2] {
 fn a_grain_that_passes_a_side_goes_on_as_in_open_space() {
     let side = "periodic: (x: (0.0, 0.1), y: (0.0, 0.1))";
     // Each wall reaches beyond a side; the grain starts inside and passes it on the wall.
-    let (from, along) = (Solid::new(0.085, 0.05, 0.00499), Solid::new(0.3, 0.0, 0.0));
+    let from = Solid::new(0.085, 0.05, 0.00499);
+    let along = Solid::new(0.3, 0.0, 0.0);
     let diagonal = (Solid::new(0.09, 0.09, 0.00499), Solid::new(0.2, 0.2, 0.0));
     for (wall, (x, v)) in [
         ("Panel(corner: (0.06, 0.01, 0.0), along: (0.09, 0.0, 0.0), across: (0.0, 0.08, 0.0))", (from, along)),

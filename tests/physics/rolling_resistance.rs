@@ -29,12 +29,15 @@ fn law(gamma_t: f64, gamma_r: f64) -> String {
 #[test]
 fn rolling_grain_decelerates_by_its_closed_form_and_stops() {
     for (case, kind) in Case::both(0.0).into_iter().flat_map(|case| [(case, 0), (case, 1)]) {
-        let (q, u0, dt) = (case.q(), 0.3, 4.0e-5);
+        let q = case.q();
+        let u0 = 0.3;
+        let dt = 4.0e-5;
         let inertia = 1.0 + q;
         let gamma = 170.0;
         let lasts = inertia * u0 / (MU_R * G);
         let mut ride = case.start(&laws(gamma, gamma)[kind], dt, u0, u0);
-        let (first, then) = (ride.after((lasts / 6.0 / dt) as u64), ride.time());
+        let first = ride.after((lasts / 6.0 / dt) as u64);
+        let then = ride.time();
         let second = ride.after((lasts / 2.0 / dt) as u64);
         let deceleration = (first.u - second.u) / (ride.time() - then);
         let expected = MU_R * G / inertia;
@@ -108,7 +111,8 @@ fn grain_rolls_down_a_slope_above_its_rolling_resistance() {
         let (dt, slow) = pace(case);
         let steps = (40.0 / slow / dt) as u64;
         let mut ride = case.start(&law(gamma_t, gamma_r), dt, 0.0, 0.0);
-        let (first, then) = (ride.after(steps), ride.time());
+        let first = ride.after(steps);
+        let then = ride.time();
         let last = ride.after(2 * steps);
         let acceleration = (last.u - first.u) / (ride.time() - then);
         let expected = (case.drive() - MU_R * case.press()) / (1.0 + case.q());
@@ -127,11 +131,14 @@ fn constant_torque_slows_and_stops_a_grain_and_lets_it_creep_on_a_slope() {
         "tangential: Spring(k: {K:?}, damping: PerMass({gamma:?}), friction: {MU:?}), rolling: (kind: Torque, friction: {MU_R:?})"
     );
     for case in Case::both(0.0) {
-        let (inertia, u0, dt) = (1.0 + case.q(), 0.3, 4.0e-5);
+        let inertia = 1.0 + case.q();
+        let u0 = 0.3;
+        let dt = 4.0e-5;
         let expected = MU_R * G / inertia;
         let lasts = u0 / expected;
         let mut ride = case.start(&torque, dt, u0, u0);
-        let (first, then) = (ride.after((lasts / 6.0 / dt) as u64), ride.time());
+        let first = ride.after((lasts / 6.0 / dt) as u64);
+        let then = ride.time();
         let second = ride.after((lasts / 2.0 / dt) as u64);
         let deceleration = (first.u - second.u) / (ride.time() - then);
         // The tolerance of the first test of this file.

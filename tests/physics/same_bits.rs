@@ -17,7 +17,8 @@ use siloflow::walls::surfaces::Surfaces;
 /// Returns grains of two sizes that fall on a floor, between walls or in a periodic box, `side` per row.
 fn fall(solid: bool, side: u32, layers: u32) -> Vec<GrainRow> {
     let place = |i: u32| {
-        let (along, up) = (i % side, i / side);
+        let along = i % side;
+        let up = i / side;
         let [x, y, z] = if solid { [along, up % side, up / side] } else { [along, up, 0] };
         0.085 * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5)
     };
@@ -45,7 +46,8 @@ fn walled(solid: bool, up: usize, periodic: bool, width: f64) -> String {
     let plane = |axis: usize, at: f64, normal: f64| {
         format!("HalfPlane(point: {}, normal: {})", vector(axis, at), vector(axis, normal))
     };
-    let (mut walls, mut sides) = (vec![plane(up, 0.0, 1.0)], Vec::new());
+    let mut walls = vec![plane(up, 0.0, 1.0)];
+    let mut sides = Vec::new();
     for (axis, name) in ["x", "y"].iter().enumerate().take(up) {
         if periodic {
             sides.push(format!("{name}: (0.0, {width:?})"));

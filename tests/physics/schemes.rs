@@ -22,7 +22,8 @@ fn centred_contacts_are_of_second_order() {
     for against in [Against::Grain, Against::Wall] {
         for (e, attraction) in CASES {
             let error = |scheme, n: f64| restitution_error(scheme, against, e, attraction, n + PI / 8.0);
-            let (coarse, fine) = (error("Centred", 40.0), error("Centred", 160.0));
+            let coarse = error("Centred", 40.0);
+            let fine = error("Centred", 160.0);
             let order = (coarse / fine).ln() / ((160.0 + PI / 8.0) / (40.0 + PI / 8.0)).ln();
             let case = format!("{against:?}, e = {e}, attraction {attraction}");
             // Tolerance as for Verlet: 0.06 for the next order, 0.11 for the scatter over 40 phases.
@@ -57,7 +58,8 @@ fn without_damping_and_friction_centred_equals_verlet_to_the_last_bit() {
 /// Returns the growth of an oscillation about the static overlap of a disc on a floor. The run takes 4000 steps of
 /// `share` times the limit.
 fn growth(scheme: &str, zeta: f64, share: f64) -> f64 {
-    let (w0, c) = ((K / M).sqrt(), 2.0 * zeta * (K * M).sqrt());
+    let w0 = (K / M).sqrt();
+    let c = 2.0 * zeta * (K * M).sqrt();
     let limit = match scheme {
         "Centred" => 2f64.min(1.0 / zeta),
         "SymplecticEuler" => 2.0,
@@ -68,7 +70,8 @@ fn growth(scheme: &str, zeta: f64, share: f64) -> f64 {
         "gravity: (0.0, -9.81), contact: Linear(k: {K:?}, damping: B({c:?}), attraction: Allowed), integrator: {scheme}, \
          walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], step: Fixed({dt:?}), until: 1.0e9"
     );
-    let (rest, start) = (R - M * 9.81 / K, 1e-9);
+    let rest = R - M * 9.81 / K;
+    let start = 1e-9;
     let mut simulation = simulation(&keys, vec![grain(1, Vector::new(0.0, rest + start), Vector::ZERO, R, M)]);
     simulation.run_steps(1);
     // An external change of velocity: the last force no longer belongs to this velocity, which excites every mode of
@@ -109,7 +112,8 @@ fn several_contacts_limit(scheme: &str, n: f64, zeta: f64) -> f64 {
         let drag = if scheme == "Centred" { 8.0 / (1.0 + zeta * x) } else { 4.0 };
         n * x * (x + drag * zeta)
     };
-    let (mut low, mut high) = (0.0, 2.0);
+    let mut low = 0.0;
+    let mut high = 2.0;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if load(middle) < 4.0 { low = middle } else { high = middle }
@@ -137,7 +141,8 @@ fn displacement_growth(keys: &str, dt: f64, start: f64, places: &[(Vector, f64)]
 
 /// A grain between two walls that both compress it by a hundredth of its radius: two contacts, each damped by `zeta`.
 fn squeezed(scheme: &str, zeta: f64, share: f64) -> f64 {
-    let (w0, c) = ((K / M).sqrt(), 2.0 * zeta * (K * M).sqrt());
+    let w0 = (K / M).sqrt();
+    let c = 2.0 * zeta * (K * M).sqrt();
     let keys = format!(
         "contact: Linear(k: {K:?}, damping: B({c:?}), attraction: Allowed), integrator: {scheme}, walls: \
          [HalfPlane(point: (0.0, {:?}), normal: (0.0, 1.0)), HalfPlane(point: (0.0, {:?}), normal: (0.0, -1.0))]",
@@ -150,7 +155,8 @@ fn squeezed(scheme: &str, zeta: f64, share: f64) -> f64 {
 /// The hexagonal lattice, compressed by 1e-4 of the radius; rows move against rows. Four contacts of each grain move,
 /// at 30 degrees to the displacement. With both grains of each contact they are equivalent to three.
 fn hexagonal(scheme: &str, zeta: f64, share: f64) -> f64 {
-    let (w0, c) = ((2.0 * K / M).sqrt(), 2.0 * zeta * (K * 0.5 * M).sqrt());
+    let w0 = (2.0 * K / M).sqrt();
+    let c = 2.0 * zeta * (K * 0.5 * M).sqrt();
     let spacing = 2.0 * R * (1.0 - 0.5e-4);
     let rise = spacing * 0.75f64.sqrt();
     let keys = format!(
@@ -161,7 +167,8 @@ fn hexagonal(scheme: &str, zeta: f64, share: f64) -> f64 {
     );
     let places: Vec<_> = (0..16u32)
         .map(|n| {
-            let (row, column) = (n / 4, f64::from(n % 4));
+            let row = n / 4;
+            let column = f64::from(n % 4);
             let shift = 0.25 + 0.5 * f64::from(row % 2);
             let sign = if row % 2 == 0 { 1.0 } else { -1.0 };
             (Vector::new((column + shift) * spacing, (f64::from(row) + 0.5) * rise), sign)

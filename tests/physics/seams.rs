@@ -64,7 +64,9 @@ fn roll(walls: &str) -> [f64; 3] {
     let mut ball = sphere(1, Solid::new(SEAM - 0.002, 0.0, rest), Solid::new(SPEED, 0.0, 0.0), R, MASS);
     ball.spin = Solid::new(0.0, SPEED / R, 0.0);
     let mut run = simulation(&keys("Solid", "(0.0, 0.0, -9.81)", walls), vec![ball]);
-    let (mut slower, mut low, mut high) = (0.0f64, 0.0f64, 0.0f64);
+    let mut slower = 0.0f64;
+    let mut low = 0.0f64;
+    let mut high = 0.0f64;
     for sample in 1..=400 {
         run.run_steps(10 * sample);
         let now = motion(&mut run)[0];
@@ -78,7 +80,8 @@ fn roll(walls: &str) -> [f64; 3] {
 #[test]
 fn a_sphere_rolls_over_gaps_steps_and_overlaps_as_over_one_wall() {
     let here = tempfile::tempdir().unwrap();
-    let (left, right) = (-0.1, 0.3);
+    let left = -0.1;
+    let right = 0.3;
     // A gap between walls (negative: an overlap) and a step, m. The last three are those of single precision and of five digits.
     for [gap, step] in
         [[0.0, 0.0], [1e-10, 0.0], [1.49e-9, 0.0], [-0.02, 0.0], [5e-6, 0.0], [1e-8, 3e-8], [-1e-8, -3e-8]]
@@ -99,7 +102,8 @@ fn a_sphere_rolls_over_gaps_steps_and_overlaps_as_over_one_wall() {
                         "{one} {other} {gap:e} {step:e}: {slower:e}\n{walls}"
                     );
                     // Over the gap it sinks by gap^2/8R, and it swings by a step about the other height.
-                    let (sinks, swings) = (width * width / (8.0 * R), 2.0 * step.abs() + 1e-12);
+                    let sinks = width * width / (8.0 * R);
+                    let swings = 2.0 * step.abs() + 1e-12;
                     assert!(
                         low > -sinks - swings && high < swings + sinks,
                         "{one} {other} {gap:e} {step:e}: {low:e} {high:e}"
@@ -143,7 +147,8 @@ fn a_disc_rolls_over_segments_that_nearly_meet_and_that_overlap() {
         run.run_steps(4000);
         let now = motion(&mut run)[0];
         // As above.
-        let (slower, width) = ((now.velocity.x / SPEED - 1.0).abs(), f64::max(gap, 0.0));
+        let slower = (now.velocity.x / SPEED - 1.0).abs();
+        let width = f64::max(gap, 0.0);
         let by_gap = G * width / (2.0 * R) * width / SPEED / SPEED;
         let by_step = 0.4 * step * 1.6 * f64::sqrt(K / MASS) / SPEED;
         assert!(slower < 2.0 * (by_gap + by_step) + 1e-9, "{gap:e}: {slower:e}");

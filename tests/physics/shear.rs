@@ -79,14 +79,17 @@ impl Bound {
 
 /// Returns normal, tangential and rolling dissipation so far, J.
 fn dissipated(world: &World) -> [f64; 3] {
-    let (flows, channels) = (world.resource::<EnergyFlows>(), world.resource::<Channels>());
+    let flows = world.resource::<EnergyFlows>();
+    let channels = world.resource::<Channels>();
     [flows.dissipated - channels.tangential - channels.rolling, channels.tangential, channels.rolling]
 }
 
 /// Shears a bed and checks its energy balance every [`CHECK_INTERVAL`] steps.
 fn shear(solid: bool, gamma: f64, steps: u64) {
     let mut bed = Bed::new(solid, gamma);
-    let (mut bound, mut last, mut sprung) = (Bound::default(), [0.0; 3], 0.0);
+    let mut bound = Bound::default();
+    let mut last = [0.0; 3];
+    let mut sprung = 0.0;
     for step in 0..=steps {
         bed.simulation.run_steps(step);
         bound.update(&mut bed);

@@ -33,10 +33,13 @@ pub struct Bed {
 impl Bed {
     pub fn new(solid: bool, gamma: f64) -> Self {
         let (side, rows) = if solid { (4, 4) } else { (10, 6) };
-        let (height, width) = (APART * f64::from(rows - 1) + 0.0882, APART * f64::from(side));
+        let height = APART * f64::from(rows - 1) + 0.0882;
+        let width = APART * f64::from(side);
         let random = Stream::new(1, "shear");
         let grain = |i: u32| {
-            let (x, up, z) = (i % side, i / side % rows, i / side / rows);
+            let x = i % side;
+            let up = i / side % rows;
+            let z = i / side / rows;
             let radius = if (x + up + z) % 2 == 0 { 0.044 } else { 0.036 };
             let flat = if solid { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
             let velocity = 0.2 * flat * DVec3::from(random.uniform(u64::from(i)).map(|u: f64| 2.0 * u - 1.0));
@@ -54,7 +57,9 @@ impl Bed {
         // Formats the vector (x, up).
         let vector = |x: f64, up: f64| if solid { format!("({x:?}, 0.0, {up:?})") } else { format!("({x:?}, {up:?})") };
         let wall = |at: f64, normal: f64, speed: f64| {
-            let (point, normal, velocity) = (vector(0.0, at), vector(0.0, normal), vector(speed, 0.0));
+            let point = vector(0.0, at);
+            let normal = vector(0.0, normal);
+            let velocity = vector(speed, 0.0);
             format!("HalfPlane(point: {point}, normal: {normal}, velocity: {velocity})")
         };
         let along = if solid { format!(", y: (0.0, {width:?})") } else { String::new() };
@@ -82,7 +87,8 @@ impl Bed {
                 if self.solid {
                     between.y -= self.width * (between.y / self.width).round();
                 }
-                let (sum, product) = (grain.radius + other.radius, grain.radius * other.radius);
+                let sum = grain.radius + other.radius;
+                let product = grain.radius * other.radius;
                 visit(
                     number,
                     &Near {

@@ -78,7 +78,8 @@ impl Law {
         let height = self.radius + v_n * dt * (1.0 + phase);
         let (normal, along, scene, row) = if space == "Solid" {
             // Not along an axis, so that both components of the tangent plane are used.
-            let (n, t) = (Solid::Z, Solid::new(0.6, -0.8, 0.0));
+            let n = Solid::Z;
+            let t = Solid::new(0.6, -0.8, 0.0);
             let wall = "space: Solid, gravity: (0.0, 0.0, 0.0), \
                         walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), species: 1)]";
             (n, t, wall, sphere(1, n * height, t * v_t - n * v_n, self.radius, self.mass))
@@ -95,7 +96,8 @@ impl Law {
         let binormal = normal.cross(along);
         assert!(after.velocity.dot(binormal).abs() < N * f64::EPSILON * v_t);
         assert!((after.spin - after.spin.dot(binormal) * binormal).length() < N * f64::EPSILON * v_t / self.radius);
-        let (normal, tangential) = (after.velocity.dot(normal), after.velocity.dot(along));
+        let normal = after.velocity.dot(normal);
+        let tangential = after.velocity.dot(along);
         After { normal, tangential, spin: -after.spin.dot(binormal) }
     }
 
@@ -114,7 +116,8 @@ impl Law {
         // State: overlap, its rate, v_t, w, spring.
         let rates = |[overlap, rate, v_t, spin, spring]: [f64; 5]| {
             let (f_n, k_t, c_t) = forces(overlap, rate);
-            let (v_s, cap) = (v_t + self.radius * spin, self.friction * f_n.abs());
+            let v_s = v_t + self.radius * spin;
+            let cap = self.friction * f_n.abs();
             let f_t = (-k_t * spring - c_t * v_s).clamp(-cap, cap);
             // A stiffening spring keeps its force: k_t s' = k_t v_s - k_t' s.
             let kept = if rate > 0.0 && overlap > 0.0 { (self.p - 1.0) * rate / overlap * spring } else { 0.0 };
@@ -132,7 +135,8 @@ impl Law {
                 return After { normal: -y[1], tangential: y[2], spin: y[3] };
             }
             let (f_n, k_t, c_t) = forces(y[0], y[1]);
-            let (v_s, cap) = (y[2] + self.radius * y[3], self.friction * f_n.abs());
+            let v_s = y[2] + self.radius * y[3];
+            let cap = self.friction * f_n.abs();
             let pull = -k_t * y[4] - c_t * v_s;
             if pull.abs() > cap {
                 y[4] = -(cap * pull.signum() + c_t * v_s) / k_t;

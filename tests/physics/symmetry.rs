@@ -104,7 +104,8 @@ pub fn end(keys: &str, grains: &[GrainRow]) -> Vec<Motion> {
 /// Returns the largest difference of positions, velocities and spins, in units of R, of the speed, and of speed over R.
 fn apart(a: &[Motion], b: &[Motion]) -> f64 {
     let difference = |(a, b): (&Motion, &Motion)| {
-        let (way, spin) = (a.position.distance(b.position) / R, a.spin.distance(b.spin) * R / SPEED);
+        let way = a.position.distance(b.position) / R;
+        let spin = a.spin.distance(b.spin) * R / SPEED;
         way.max(spin).max(a.velocity.distance(b.velocity) / SPEED)
     };
     a.iter().zip(b).map(difference).fold(0.0, f64::max)

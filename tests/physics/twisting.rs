@@ -61,7 +61,8 @@ fn spin_about_the_normal_slows_at_the_rate_of_the_cap() {
 fn a_spring_below_its_cap_swings_with_its_frequency() {
     // Two spheres that a pull holds together at k delta = P spin against each other: m R*^2/I = 5/8 for each, so that the relative
     // velocity swings with w^2 = k_w R*^2 2/I.
-    let (pull, dt) = (20.0, 1.0e-6);
+    let pull = 20.0;
+    let dt = 1.0e-6;
     let overlap = pull / K;
     let half = R - 0.5 * overlap;
     let keys =

@@ -34,7 +34,9 @@ fn bounces_in_a_cylinder_in_a_cone_and_in_a_sphere_agree_with_lammps_within_a_na
         let mut simulation = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).unwrap();
         for line in frames.lines().filter(|line| line.starts_with(shape)) {
             let row: Vec<f64> = line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
-            let (time, id, x) = (row[0], row[1] as usize, Solid::new(row[2], row[3], row[4]));
+            let time = row[0];
+            let id = row[1] as usize;
+            let x = Solid::new(row[2], row[3], row[4]);
             simulation.run_steps((time / 2.0e-6).round() as u64);
             let ours = motion(&mut simulation)[id - 1];
             // The scheme is the same. Positions of 0.05 m round at 7e-18 m, and few collisions amplify it.
@@ -49,13 +51,19 @@ fn bounces_in_a_cylinder_in_a_cone_and_in_a_sphere_agree_with_lammps_within_a_na
 /// Returns by how much the angle of an orbit in a hollow sphere that turns exceeds the exact one, relative to it, after a turn with steps
 /// of `x` rad, and by how much the overlap exceeds the exact one, relative to it.
 fn excess_of_an_orbit(integrator: &str, friction: f64, x: f64) -> [f64; 2] {
-    let (sphere_radius, r, mass, k, depth) = (0.05, 0.01, 0.0105, 1.0e3, 2.6e-4);
+    let sphere_radius = 0.05;
+    let r = 0.01;
+    let mass = 0.0105;
+    let k = 1.0e3;
+    let depth = 2.6e-4;
     // The contact force turns the centre: k depth = m v^2/orbit.
     let orbit: f64 = sphere_radius - r + depth;
     let speed = (k * depth * orbit / mass).sqrt();
     let axis = Solid::new(0.48, 0.6, 0.64);
-    let (out, ahead) = (axis.any_orthonormal_vector(), axis.cross(axis.any_orthonormal_vector()));
-    let (dt, turning) = (x * orbit / speed, 30.0);
+    let out = axis.any_orthonormal_vector();
+    let ahead = axis.cross(axis.any_orthonormal_vector());
+    let dt = x * orbit / speed;
+    let turning = 30.0;
     let contact = format!(
         "Linear(k: {k:?}, damping: PerMass(0.0), tangential: Spring(k: {:?}, damping: PerMass(0.0), friction: {friction:?}), lever: Radius)",
         k / 3.5
@@ -247,7 +255,8 @@ fn a_conical_pendulum_stays_on_its_circle() {
     let turn = 2.0 * std::f64::consts::PI * r / v;
     let steps = (3.0 * turn / 1e-5) as u64;
     simulation.run_steps(steps);
-    let (x, angle) = (motion(&mut simulation)[0].position, v / r * steps as f64 * 1e-5);
+    let x = motion(&mut simulation)[0].position;
+    let angle = v / r * steps as f64 * 1e-5;
     let expected = Solid::new(r * angle.cos(), r * angle.sin(), z);
     // Verlet turns a circular motion by (w dt)^2/24 too much in each radian, and the radius stays: far below 1e-6 m. The
     // scheme excites an oscillation of the contact of at most the way in a step, v dt (v dt/2r) = 5e-9 m.

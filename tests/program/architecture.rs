@@ -44,7 +44,8 @@ type Imports = BTreeMap<String, BTreeMap<String, String>>;
 /// `module` is `None`.
 fn read(directory: &Path, module: Option<&str>, all: &mut Imports) {
     for entry in fs::read_dir(directory).unwrap().map(Result::unwrap) {
-        let (path, name) = (entry.path(), entry.file_name().into_string().unwrap());
+        let path = entry.path();
+        let name = entry.file_name().into_string().unwrap();
         let own = name.strip_suffix(".rs").unwrap_or(&name);
         let module = module.unwrap_or(own);
         if path.is_dir() {

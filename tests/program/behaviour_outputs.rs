@@ -171,7 +171,8 @@ fn exit_code(arguments: &[&str]) -> ExitCode {
 
 /// Runs a scene into `out` and returns whether it succeeded.
 fn run(out: &Path, scene: &str, behaviours: &str, settings: &[&str]) -> bool {
-    let (scene, behaviours) = (crate::scene(scene).display().to_string(), format!("behaviours={behaviours}"));
+    let scene = crate::scene(scene).display().to_string();
+    let behaviours = format!("behaviours={behaviours}");
     let out = out.display().to_string();
     let mut arguments = vec!["run", &scene, "--quiet", "--out", &out, "--set", &behaviours];
     for setting in settings {
@@ -252,7 +253,8 @@ fn columns_are_in_every_output_in_both_spaces() {
 #[test]
 fn a_resumed_run_has_the_same_columns() {
     let here = tempfile::tempdir().unwrap();
-    let (straight, broken) = (here.path().join("straight"), here.path().join("broken"));
+    let straight = here.path().join("straight");
+    let broken = here.path().join("broken");
     HAS_BROKEN.store(true, Ordering::Relaxed);
     let behaviours = "{\"marks\": (), \"breaks\": (1300)}";
     assert!(run(&straight, "silo1-mixture.ron", behaviours, &PLANE));

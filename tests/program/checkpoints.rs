@@ -78,7 +78,8 @@ fn all_written_state_of_every_scene_is_registered() {
 fn saved(scene: &str, settings: &[(&str, &str)], steps: u64) -> (AnyScene, Vec<persist::Section>) {
     let settings: Vec<_> = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     let scene = siloflow::scene::load::any(&crate::scene(scene), &settings).unwrap();
-    let (registry, one) = (Registry::default(), NonZeroUsize::MIN);
+    let registry = Registry::default();
+    let one = NonZeroUsize::MIN;
     let mut run = match &scene {
         AnyScene::Grains(loaded) => Simulation::new(loaded, &registry, one),
         AnyScene::Lattice(loaded) => Simulation::of_lattice(loaded, &registry, one),
@@ -91,7 +92,8 @@ fn saved(scene: &str, settings: &[(&str, &str)], steps: u64) -> (AnyScene, Vec<p
 
 /// Restores a state and does three steps.
 fn continued(scene: &AnyScene, sections: &[persist::Section]) -> Result<(), String> {
-    let (registry, one) = (Registry::default(), NonZeroUsize::MIN);
+    let registry = Registry::default();
+    let one = NonZeroUsize::MIN;
     let run = match scene {
         AnyScene::Grains(loaded) => Simulation::restored(loaded, &registry, one, sections),
         AnyScene::Lattice(loaded) => Simulation::restored_lattice(loaded, &registry, one, sections),
@@ -236,7 +238,8 @@ fn forgotten_state_of_a_behaviour_is_found() {
 
 #[test]
 fn state_of_another_scene_is_refused() {
-    let (frictionless, rough) = (load("silo1.ron", &[]), load("couette.ron", &[]));
+    let frictionless = load("silo1.ron", &[]);
+    let rough = load("couette.ron", &[]);
     let mut run = simulation(&rough, 1);
     run.run_steps(10);
     let saved = run.save().unwrap();

@@ -50,7 +50,8 @@ fn overlaps_at_the_start_are_found() {
 /// eigenvalue of the complete graph. The limit from each grain's four contacts is 2/sqrt(8 k/m).
 #[test]
 fn overlaps_at_the_start_shorten_the_stable_step() {
-    let (k, mass) = (1e4, 1.0f64);
+    let k = 1e4;
+    let mass = 1.0f64;
     let scene = |dt: f64| {
         let fill = "fill: [(low: (0.0, 0.0), high: (0.5, 0.1), spacing: 0.1, radius: Fixed(0.5), count: 5)]";
         format!(
@@ -74,7 +75,8 @@ fn overlaps_at_the_start_shorten_the_stable_step() {
     };
     // From rest, Verlet keeps 1 - (w dt/2)^2 of the energy of each motion: at least 3/8 at this step. It gains energy with a step that is
     // too large.
-    let (stable, unstable) = (growth(0.999 * limit), growth(1.95 * limit));
+    let stable = growth(0.999 * limit);
+    let unstable = growth(1.95 * limit);
     assert!((0.375..=1.0).contains(&stable) && unstable > 1.0, "{stable} {unstable}");
 }
 

@@ -261,7 +261,8 @@ fn compare<V: Space>(contacts: ContactView<V>, law: Res<AnyLaw<V>>) -> usize {
             with => (contact.grain(), with),
         };
         let at = all.iter().position(|state| (state.grain, state.with) == (grain, with)).unwrap();
-        let (state, sign) = (&all[at], if grain == contact.grain() { 1.0 } else { -1.0 });
+        let state = &all[at];
+        let sign = if grain == contact.grain() { 1.0 } else { -1.0 };
         assert_eq!(
             (state.overlap, state.normal, state.to_partner),
             (contact.overlap(), contact.normal() * sign, contact.to_partner() * sign)

@@ -48,7 +48,9 @@ fn anchor(heading: &str) -> String {
 
 /// The text without fenced blocks, and those blocks with their language.
 fn split(text: &str) -> (String, Vec<(String, String)>) {
-    let (mut prose, mut blocks, mut open) = (String::new(), Vec::<(String, String)>::new(), false);
+    let mut prose = String::new();
+    let mut blocks = Vec::<(String, String)>::new();
+    let mut open = false;
     for line in text.lines() {
         if let Some(language) = line.trim_start().strip_prefix("```") {
             open = !open;

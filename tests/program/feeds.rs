@@ -94,7 +94,8 @@ fn places_are_uniform_in_each_region() {
     };
     u("Box(low: (-1.0, 2.0, 0.0), high: (1.0, 5.0, 0.5))", |x| [0.5 * (x.x + 1.0), (x.y - 2.0) / 3.0, x.z / 0.5]);
     u("Disc(centre: (1.0, -1.0, 0.5), radius: 2.0, height: 0.25)", |place| {
-        let (x, y) = (place.x - 1.0, place.y + 1.0);
+        let x = place.x - 1.0;
+        let y = place.y + 1.0;
         [(x * x + y * y) / 4.0, (y.atan2(x) / TAU).rem_euclid(1.0), (place.z - 0.5) / 0.25]
     });
 }

@@ -55,10 +55,12 @@ fn a_run_writes_the_means_of_each_window() {
     assert!(of("1", "density_error")[..12].iter().all(Option::is_some));
     assert!(of("1", "density_error")[12..].iter().all(Option::is_none));
     // Free fall from rest at 9.81 m/s^2, in rows that touch nothing: the mean of the window is that at its middle time.
-    let (v, error) = (of("1", "v2")[4].unwrap(), of("1", "v2_error")[4].unwrap());
+    let v = of("1", "v2")[4].unwrap();
+    let error = of("1", "v2_error")[4].unwrap();
     assert!((v + 9.81 * 0.0195).abs() < 1e-3 && error > 0.0, "{v} {error}");
     // Shares of the species add up to the whole.
-    let (first, second) = (of("1", "share_0")[0].unwrap(), of("1", "share_1")[0].unwrap());
+    let first = of("1", "share_0")[0].unwrap();
+    let second = of("1", "share_1")[0].unwrap();
     assert!((first + second - 1.0).abs() < 1e-12 && first > 0.1 && second > 0.1, "{first} {second}");
     // The upper half of the second grid is empty up to 6 s of the kernel, and has no velocity.
     assert_eq!((of("2", "density")[1], of("2", "v1")[1]), (Some(0.0), None));

@@ -36,11 +36,13 @@ fn assert_same_as_state(here: &Path, last: &Frame) {
     let mut rows = csv::Reader::from_path(here.join("run/state.csv")).unwrap();
     let names = rows.headers().unwrap().clone();
     let grains = last.table("grains").unwrap();
-    let (ids, kinds) = (grains.whole("id").unwrap(), grains.whole("kind").unwrap());
+    let ids = grains.whole("id").unwrap();
+    let kinds = grains.whole("kind").unwrap();
     let mut of_grains = (0..grains.rows).filter(|&row| kinds[row] == 0);
     let mut count = 0;
     for state in rows.records() {
-        let (state, row) = (state.unwrap(), of_grains.next().unwrap());
+        let state = state.unwrap();
+        let row = of_grains.next().unwrap();
         for (name, cell) in names.iter().zip(&state) {
             let number: f64 = cell.parse().unwrap();
             let found = match name {
@@ -130,7 +132,8 @@ fn check_contacts(header: &Header, frame: &Frame, gravity: Solid) -> usize {
         separation
     };
     for (table, partner) in [(between, "partner"), (walls, "wall")] {
-        let (first, second) = (table.whole("grain").unwrap(), table.whole(partner).unwrap());
+        let first = table.whole("grain").unwrap();
+        let second = table.whole(partner).unwrap();
         for contact in 0..table.rows {
             let i = row_of[&first[contact]];
             let (away, reach) = if partner == "wall" {
@@ -169,7 +172,8 @@ fn a_door_that_is_gone_is_missing_from_the_walls() {
     let settings = ["door.opens=At(0.01)", "until=0.02", "data_frames=(interval: 0.01)"];
     let (header, frames) = run(here.path(), "silo3d.ron", &settings);
     let doors = |frame: &Frame| frame.walls(&header).iter().filter(|wall| wall.is_door).count();
-    let (first, last) = (&frames[0], frames.last().unwrap());
+    let first = &frames[0];
+    let last = frames.last().unwrap();
     assert!(doors(first) >= 1 && first.changed_walls.is_empty());
     assert_eq!(doors(last), 0);
     assert_eq!(last.walls(&header).len() + doors(first), header.walls.len());

@@ -42,7 +42,8 @@ fn assert_finite_and_accounted(run: &mut Simulation) {
 
 /// Returns the totals, the energy flows, and the measured energy less the expected energy, J.
 fn balance(run: &Simulation) -> (Totals, EnergyFlows, f64) {
-    let (totals, flows) = (totals::of_world(run.world()), *run.world().resource::<EnergyFlows>());
+    let totals = totals::of_world(run.world());
+    let flows = *run.world().resource::<EnergyFlows>();
     (totals, flows, totals.energy() - flows.expected())
 }
 
@@ -130,7 +131,8 @@ fn damped_motion_decays_below_the_limit_of_the_closed_form() {
 fn pressed_centred(share: f64, b: f64) -> [(&'static str, String); 3] {
     let zeta = b / (0.05 * PRESSED);
     let excess = |x: f64| (4.0 - x * x) * (1.0 + 0.5 * zeta * x) - 8.0 * zeta * x;
-    let (mut low, mut high) = (0.0, 2.0);
+    let mut low = 0.0;
+    let mut high = 2.0;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if excess(middle) > 0.0 { low = middle } else { high = middle }
@@ -308,8 +310,10 @@ fn swing(scheme: &str, dt: f64, u: f64) -> f64 {
 /// The motion of the small grain m against both large ones M, each with two springs, has (2 k - M w^2)(2 k - m w^2) = 2 k^2.
 #[test]
 fn check_bounds_the_step_of_a_grain_caught_between_large_ones() {
-    let (k, [m, big]) = (1e5f64, [0.01f64, 4.0]);
-    let (sum, product) = (2.0 * k / m + 2.0 * k / big, 2.0 * k * k / (m * big));
+    let k = 1e5f64;
+    let [m, big] = [0.01f64, 4.0];
+    let sum = 2.0 * k / m + 2.0 * k / big;
+    let product = 2.0 * k * k / (m * big);
     let w = (0.5 * (sum + (sum * sum - 4.0 * product).sqrt())).sqrt();
     let u = 0.01;
     for scheme in ["Centred", "Verlet", "SymplecticEuler"] {
@@ -365,10 +369,13 @@ fn wave_in_a_column_of_a_thousand_grains_has_the_speed_of_a_chain() {
     // w0 t = 250 grains. In a chain the influence of the floor passes from neighbour to neighbour. In front of the wave
     // the deviation from free fall begins with (w0 t)^2n/(2n)! g/w0^2, below (e w0 t/2n)^2n. From n = e w0 t on that is
     // below 4^-n.
-    let (front, t) = ((1e6 / 0.16f64).sqrt() * 0.1 * std::f64::consts::E, 0.1);
+    let front = (1e6 / 0.16f64).sqrt() * 0.1 * std::f64::consts::E;
+    let t = 0.1;
     assert!(front < 700.0);
     for (n, (x, v, _)) in rows.iter().enumerate().filter(|(n, _)| *n as f64 > front) {
-        let (x0, dv, dx) = (0.04 + 0.08 * n as f64, v.y + 9.81 * t, 0.5 * 9.81 * t * t);
+        let x0 = 0.04 + 0.08 * n as f64;
+        let dv = v.y + 9.81 * t;
+        let dx = 0.5 * 9.81 * t * t;
         // Two thousand sums of speeds of 1 m/s and of heights of 80 m. Grains that just touch may overlap by round-off,
         // 1e-14 m. Their spring with w0 = 2500/s then gives them a speed of 2e-11 m/s.
         assert!(dv.abs() < 1e-10 && (x.y - (x0 - dx)).abs() < 1e-10, "grain {n}: {dv} {}", x.y - (x0 - dx));
@@ -435,7 +442,8 @@ fn coincident_grains_separate_along_a_direction_derived_from_their_ids() {
     // The grains separate along the normal that they were given. Its direction is known to the round-off of the first
     // separation, a dt^2/2 each, at 0.7 m.
     let condition = 4.0 * 0.7 * f64::EPSILON / (1e4 * 0.08 / m * 1.3e-4f64.powi(2));
-    let (apart, parting) = (a - b, va - vb);
+    let apart = a - b;
+    let parting = va - vb;
     let sine = apart.perp_dot(parting) / apart.length() / parting.length();
     assert!(sine.abs() < condition && apart.dot(parting) > 0.0, "{sine} {condition}");
 }
@@ -523,7 +531,8 @@ fn motion_a_thousand_kilometres_away_is_the_same() {
     // Positions are rounded to 1.2e-10 m in each of 10^4 steps, at random or, at worst, in one direction. A bounce
     // turns a displacement dx into a velocity difference of g dx/v, less than w0 dx.
     let rounded = 1e6 * f64::EPSILON * 1e4;
-    let (dx, dv) = (far.0 - Vector::splat(1e6) - near.0, far.1 - near.1);
+    let dx = far.0 - Vector::splat(1e6) - near.0;
+    let dv = far.1 - near.1;
     assert!(dx.length() < rounded && dv.length() < 250.0 * rounded, "{dx:?} {dv:?}");
     assert!(near.1.y.abs() > 0.1, "it does not bounce");
 }
@@ -560,7 +569,8 @@ fn smallest_periodic_box_gives_equal_bits_for_all_searches_and_conserves() {
 /// Returns the number of contacts that open or close in `steps` steps, if no two do so in one step.
 fn contact_changes(name: &str, steps: u64) -> u32 {
     let mut run = simulation(&load(name, &[]), 1);
-    let (mut before, mut changes) = (0.0, 0);
+    let mut before = 0.0;
+    let mut changes = 0;
     for n in 0..=steps {
         run.run_steps(n);
         let now = totals::of_world(run.world()).coordination;
@@ -597,7 +607,10 @@ fn rolled(friction: f64) -> (f64, f64) {
 
 #[test]
 fn disc_rolls_above_and_slides_below_the_friction_threshold() {
-    let (g, sin, cos, radius) = (9.81, 0.5, 0.75f64.sqrt(), 0.04);
+    let g = 9.81;
+    let sin = 0.5;
+    let cos = 0.75f64.sqrt();
+    let radius = 0.04;
     let threshold = sin / cos / 3.0;
     for mu in [1.1 * threshold, 1.0, 1e3] {
         let (v, spin) = rolled(mu);
@@ -607,7 +620,8 @@ fn disc_rolls_above_and_slides_below_the_friction_threshold() {
     }
     for mu in [0.0, 0.5 * threshold, 0.9 * threshold] {
         let (v, spin) = rolled(mu);
-        let (expected, turning) = (g * (sin - mu * cos), -2.0 * mu * g * cos / radius);
+        let expected = g * (sin - mu * cos);
+        let turning = -2.0 * mu * g * cos / radius;
         // Until the spring reaches its cap, mu m g cos/k = 1e-5 m, the friction is smaller: for about a millisecond.
         let start = 1e-3 * mu * g * cos;
         assert!((v - expected).abs() <= 1e-9 + start, "{mu}: {v} {expected}");
@@ -713,7 +727,8 @@ fn a_sphere_that_blocks_the_hole_of_a_bowl_comes_to_rest_on_its_axis() {
         let (x, v, mass) = grains::<Solid>(&mut run)[0];
         // The hole is a circle of radius 3.16 mm, 49.9 mm below the centre. The one contact carries the whole weight: its overlap is m g R/(k z), with z
         // the height of the sphere above the edge.
-        let (radius, below) = (0.005f64, 0.0499f64);
+        let radius = 0.005f64;
+        let below = 0.0499f64;
         let hole = (0.05f64.powi(2) - below.powi(2)).sqrt();
         let above = (radius * radius - hole * hole).sqrt();
         let overlap = mass * 9.81 * radius / (1e4 * above);

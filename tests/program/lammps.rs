@@ -268,7 +268,8 @@ fn hertz_at_round_walls_differs_by_the_contact_radius_that_the_export_names() {
     let radius_of = |curvature: f64| 1.0 / (1.0 / 0.03 + curvature);
     // The point of the cone at the height 0.2 has the radius 0.15; its normal is (-1, 0, 1)/sqrt(2).
     let depth = 0.029 / 2.0f64.sqrt();
-    let (within, of_cone) = (radius_of(-1.0 / 0.5), radius_of(-1.0 / (0.3 * 2.0f64.sqrt())));
+    let within = radius_of(-1.0 / 0.5);
+    let of_cone = radius_of(-1.0 / (0.3 * 2.0f64.sqrt()));
     let cases = [
         (cylinder, 0.55 - 0.029, 0.3, within, within),
         (cylinder, 0.55 + 0.029, 0.3, radius_of(1.0 / 0.5), 0.03),
@@ -286,7 +287,8 @@ fn hertz_at_round_walls_differs_by_the_contact_radius_that_the_export_names() {
         let export = lammps::export(&loaded).unwrap();
         assert!(export.script.contains("the contact radius of a cylinder"), "{}", export.script);
         write(&loaded, here.path());
-        let (ours, theirs) = (ours(&loaded)[&1], theirs(here.path(), 1)[&1]);
+        let ours = ours(&loaded)[&1];
+        let theirs = theirs(here.path(), 1)[&1];
         let ratio = (theirs_takes / ours_takes).sqrt();
         for column in 0..3 {
             let off = (theirs[column] - ratio * ours[column]).abs();
@@ -650,7 +652,8 @@ fn identifiers_that_lammps_does_not_have_are_refused() {
     // A fixed sphere would get the id after the largest.
     let mut loaded = on_a_floor_at(0.0, [7, GrainId::MAX_GRAIN], here.path());
     assert!(lammps::export(&loaded).is_ok());
-    let (centre, species) = (siloflow::space::Solid::ZERO, Species(0));
+    let centre = siloflow::space::Solid::ZERO;
+    let species = Species(0);
     loaded.fixed = vec![FixedGrain { position: centre, radius: 0.001, velocity: centre, species }];
     assert!(lammps::export(&loaded).unwrap_err().to_string().contains("last id"));
 }

@@ -63,7 +63,8 @@ fn memory_does_not_grow_with_the_grains_that_have_left() {
             let part = curve.iter().filter(|(released, _)| range.contains(released));
             part.map(|(_, resident)| *resident).max().unwrap()
         };
-        let (first, later) = (largest(0..100_000), largest(100_000..950_000));
+        let first = largest(0..100_000);
+        let later = largest(100_000..950_000);
         eprintln!("{departed}: {first} kB in the first tenth, {later} kB later");
         assert!(later as f64 <= 1.1 * first as f64, "{first} kB, then {later} kB");
     }

@@ -16,7 +16,8 @@ fn run(keys: &str, grains: &[(Solid, Solid, u8)], threads: usize) -> Simulation 
     let text = format!("({keys}, pictures: None)");
     let mut loaded = load::from_text("p.ron", "p", Path::new(""), text, &[]).unwrap_or_else(|fault| panic!("{fault}"));
     for (number, &(position, velocity, species)) in (1..).zip(grains) {
-        let (id, species) = (GrainId::grain(number).unwrap(), Species(species));
+        let id = GrainId::grain(number).unwrap();
+        let species = Species(species);
         loaded.grains.push(GrainRow { id, radius: 0.04, mass: 0.16, position, velocity, spin: Solid::ZERO, species });
     }
     let mut run = simulation(&loaded, threads);

@@ -102,7 +102,8 @@ fn table() -> PathBuf {
 
 /// Returns the target triple of this build.
 fn target() -> String {
-    let (arch, os) = (std::env::consts::ARCH, std::env::consts::OS);
+    let arch = std::env::consts::ARCH;
+    let os = std::env::consts::OS;
     let environment = [
         (cfg!(target_env = "gnu"), "-gnu"),
         (cfg!(target_env = "musl"), "-musl"),

@@ -77,7 +77,8 @@ fn options_change_what_is_drawn() {
     assert!(!draw(&["--colour", "species"]).contains("linearGradient"));
     assert!(draw(&["--width", "300"]).contains(r#"width="300""#));
     let spheres = |svg: &str| svg.matches("<circle").count();
-    let (side, cut) = (draw(&["--view", "side"]), draw(&["--view", "side", "--cut=0.05"]));
+    let side = draw(&["--view", "side"]);
+    let cut = draw(&["--view", "side", "--cut=0.05"]);
     assert!(side != plain && spheres(&cut) > 0 && cut != side);
     assert_eq!(draw(&["--view", "-1,0,0"]), side);
     // Every picture of an interval, named after its time.

@@ -37,7 +37,9 @@ struct Tag {
 /// Returns all tags of a page in order. Fails if elements are not closed in order, or an attribute is not in double quotes.
 fn tags(page: &str) -> Vec<Tag> {
     const VOID: [&str; 5] = ["meta", "input", "br", "!DOCTYPE", "hr"];
-    let (mut rest, mut open, mut tags) = (page, Vec::<String>::new(), Vec::new());
+    let mut rest = page;
+    let mut open = Vec::<String>::new();
+    let mut tags = Vec::new();
     while let Some(start) = rest.find('<') {
         rest = &rest[start + 1..];
         if let Some(comment) = rest.strip_prefix("!--") {

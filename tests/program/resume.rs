@@ -80,7 +80,8 @@ impl Case {
     /// Runs with `kills` interruptions, each after a part of `time` given by `random`. Returns the number of interruptions.
     fn interrupted(&self, out: &Path, time: Duration, kills: u32, random: &mut impl FnMut() -> f64) -> u32 {
         let frequent = ["--checkpoint-every".to_owned(), "0.0002".to_owned()];
-        let (mut arguments, mut done) = (self.arguments(out), 0);
+        let mut arguments = self.arguments(out);
+        let mut done = 0;
         loop {
             let mut run = start_run(&[&arguments[..], &frequent].concat());
             let end = Instant::now() + time.mul_f64(random() * 2.0 / f64::from(kills + 1));
@@ -158,7 +159,8 @@ fn results(run: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 
 /// Asserts that two runs have the same results.
 fn assert_same(expected: &Path, found: &Path, case: &str) {
-    let (expected, found) = (results(expected), results(found));
+    let expected = results(expected);
+    let found = results(found);
     let names = |files: &[(PathBuf, Vec<u8>)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&expected), names(&found), "{case}");
     for ((name, expected), (_, found)) in expected.iter().zip(&found) {

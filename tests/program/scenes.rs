@@ -198,7 +198,8 @@ fn removed_door_takes_its_elastic_energy_out_of_the_balance() {
         let flows = *world.resource::<EnergyFlows>();
         (totals::of_world(world).energy() - flows.expected(), flows.removed)
     };
-    let ((before, nothing), (after, removed)) = (balance(8_999), balance(9_002));
+    let (before, nothing) = balance(8_999);
+    let (after, removed) = balance(9_002);
     // The elastic energy of the door's contacts is counted as removed, so the balance changes by one half-kick only.
     // The force F of the last evaluation, with the door present, still acts for dt/2. It gives F^2 dt^2/(8 m) to the
     // grain, while the contact held F^2/(2 k): a share k dt^2/(4 m), 1.6 %. The neighbours that the grain is pressed

@@ -53,7 +53,8 @@ fn outline_of_silo1_is_two_chains_and_a_roof_with_one_orifice() {
 /// are 101 steps from the flank, which touches the face and the vertical line through (0.1, 0), to the corner. From
 /// there to the top there are 200 steps. The door is from x = -9 to 9 cm, every cm, with its top at y = 0.
 fn mass_flow_described() -> Vec<Vector> {
-    let (r, tan_15) = (0.01, 2.0 - 3f64.sqrt());
+    let r = 0.01;
+    let tan_15 = 2.0 - 3f64.sqrt();
     let flank = Vector::new(0.1 + r, -r * tan_15);
     let corner = Vector::new(0.602 + r, 0.8695 - r * tan_15);
     let top = Vector::new(0.602 + r, 2.865);
@@ -85,7 +86,8 @@ fn mass_flow_silo_file_matches_its_description() {
 fn faces_of_the_mass_flow_silo_are_its_polygon() {
     let text = std::fs::read_to_string(crate::root().join("assets/silo2d.dat")).unwrap();
     let silo = parse("silo2d.dat", &text, LengthUnit::Metre).unwrap();
-    let (foot, corner) = (Vector::new(0.1, 0.0), Vector::new(0.602, 0.8695));
+    let foot = Vector::new(0.1, 0.0);
+    let corner = Vector::new(0.602, 0.8695);
     let along = (corner - foot).normalize();
     for disc in &silo.wall {
         let x = Vector::new(disc.centre.x.abs(), disc.centre.y);

@@ -403,7 +403,8 @@ fn sweeps_that_start_at_once_agree_on_a_new_directory() {
     heights(here.path());
     let sweep = Sweep::read(&here.path().join("s.ron")).unwrap();
     for round in 0..50 {
-        let (path, gate) = (here.path().join(format!("new-{round}")), Barrier::new(8));
+        let path = here.path().join(format!("new-{round}"));
+        let gate = Barrier::new(8);
         thread::scope(|scope| {
             for _ in 0..8 {
                 scope.spawn(|| {

@@ -75,7 +75,8 @@ fn assert_damaged(here: &Path, name: &str, case: &str) {
 
 /// Damages each file in several ways, one after the other.
 fn damage_each(here: &Path, is_examined: impl Fn(&str) -> bool) -> usize {
-    let (run, mut count) = (here.join("run"), 0);
+    let run = here.join("run");
+    let mut count = 0;
     for (path, bytes) in content(&run) {
         let name = path.strip_prefix(&run).unwrap().to_str().unwrap().to_owned();
         if !is_examined(&name) || bytes.is_empty() {

@@ -29,7 +29,8 @@ fn the_mean_force_is_the_change_of_momentum() {
         walls: [Segment(from: (-1.0, 0.0), to: (0.0, 0.0), name: \"floor\"),
             Segment(from: (0.0, 0.0), to: (1.0, 0.0), name: \"floor\")])";
     run(here.path(), scene, "id,radius,mass,x,y,vx,vy\n1,0.02,0.05,0.3,0.12,0,0\n");
-    let (walls, groups) = (rows(&here.path().join("out/walls.csv")), rows(&here.path().join("out/wall_groups.csv")));
+    let walls = rows(&here.path().join("out/walls.csv"));
+    let groups = rows(&here.path().join("out/wall_groups.csv"));
     let state = rows(&here.path().join("out/state.csv"));
     let header = fs::read_to_string(here.path().join("out/state.csv")).unwrap();
     let column = header.lines().next().unwrap().split(',').position(|name| name == "vy").unwrap();

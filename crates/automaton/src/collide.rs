@@ -62,7 +62,8 @@ fn lone_mover(state: u16, table: &Collisions, odds: &Odds, draws: Draws) -> u16 
 #[inline]
 fn outgoing(state: u16, number: u8, held: u8, table: &Collisions, odds: &Odds, draws: Draws) -> u16 {
     let count = number - held;
-    let (first, second) = (draws.word(0), draws.word(1));
+    let first = draws.word(0);
+    let second = draws.word(1);
     let mut resultant = table.sum(state).resultant;
     let excluded = odds.forget.draw(low(first), number);
     let is_level = odds.level.happens(high(first));
@@ -105,7 +106,8 @@ fn random_subset(set: u16, count: u8, draws: Draws, word: u64) -> u16 {
     if u32::from(count) == set.count_ones() {
         return set;
     }
-    let (mut left, mut chosen) = (set, 0);
+    let mut left = set;
+    let mut chosen = 0;
     for i in 0..u64::from(count) {
         let next = nth(left, below(draws.high(word + i), left.count_ones()));
         left &= !(1 << next);
@@ -137,7 +139,8 @@ mod tests {
         }
         let keys = format!("(spacing: 1.0, p: {p:?}, q: 0.0, b: 0.0, k: 0.0, g: {g:?}, h: 0.0)");
         let rules: Rules = ron::from_str(&keys).unwrap();
-        let (table, odds) = (Collisions::default(), Odds::new(&rules, seed));
+        let table = Collisions::default();
+        let odds = Odds::new(&rules, seed);
         let threads = Threads::new(std::num::NonZeroUsize::MIN).unwrap();
         stop(&sites, &mut gas, &threads, &table, &odds, 1);
         place(&sites, &mut gas, &odds, 1);

@@ -61,7 +61,8 @@ impl Default for Collisions {
             count: u8::try_from(movers.count_ones()).unwrap_or(0),
         });
         let mut table = Self { sums: Box::new(sums), choices: Box::default(), states: Box::default() };
-        let (mut choices, mut states) = (Vec::with_capacity(13 * PLANE), Vec::new());
+        let mut choices = Vec::with_capacity(13 * PLANE);
+        let mut states = Vec::new();
         for count in 0..=12 {
             let candidates: Vec<(u16, (i32, i32))> = (0..4096)
                 .filter(|&movers: &usize| movers.count_ones() == count)

@@ -197,7 +197,9 @@ mod tests {
 
     #[test]
     fn the_geometric_distribution_has_its_tail_probabilities() {
-        let (law, streams, n) = (Geometric::new(0.4), Streams::new(5, 1, Purpose::Stop, 0), 100_000);
+        let law = Geometric::new(0.4);
+        let streams = Streams::new(5, 1, Purpose::Stop, 0);
+        let n = 100_000;
         let mut at_least = [0u32; 5];
         for site in 0..n {
             let drawn = usize::from(law.draw(streams.of(site).high(0), 4));

@@ -104,7 +104,8 @@ mod tests {
 
     #[test]
     fn no_permutation_of_five_targets_is_cheaper() {
-        let (blocked, tangent) = (set(&[2, 3, 8, 9, 4]), 71.0);
+        let blocked = set(&[2, 3, 8, 9, 4]);
+        let tangent = 71.0;
         let (from, to): (Vec<_>, Vec<_>) = (directions(blocked).collect(), directions(turned_round(blocked)).collect());
         let found = reflection(blocked, tangent);
         let chosen: f64 = from.iter().map(|&d| cost(d, usize::from(found[d]), tangent)).sum();

@@ -209,7 +209,8 @@ impl Sites {
     #[must_use]
     #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 2^31 stored sites")]
     pub fn coordinates(&self, site: usize) -> (i32, i32) {
-        let (column, row) = (site / self.stride, site % self.stride);
+        let column = site / self.stride;
+        let row = site % self.stride;
         (column as i32, (2 * row + column % 2) as i32)
     }
 

@@ -93,7 +93,8 @@ const fn set_bits() -> [(u8, [u8; 7]); 128] {
 #[inline]
 #[must_use]
 pub fn nth(state: u16, n: u32) -> usize {
-    let (low, high) = (usize::from(state & 0x7F), usize::from(state >> 7 & 0x7F));
+    let low = usize::from(state & 0x7F);
+    let high = usize::from(state >> 7 & 0x7F);
     let below = u32::from(SET_BITS[low].0);
     let is_high = n >= below;
     let (set, n) = if is_high { (high, n - below) } else { (low, n) };

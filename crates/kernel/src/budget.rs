@@ -65,7 +65,8 @@ impl Budget {
 
     /// Does work that may take this share of the time that is left, so that the checks after it have the rest.
     pub fn share<T>(&self, share: f64, work: impl FnOnce() -> T) -> T {
-        let (end, was_spent) = (self.end.get(), self.is_spent.get());
+        let end = self.end.get();
+        let was_spent = self.is_spent.get();
         let left = end.saturating_duration_since(Instant::now());
         self.end.set(Instant::now() + left.mul_f64(share.clamp(0.0, 1.0)));
         let result = work();

@@ -96,7 +96,8 @@ impl<V: Space> Periodic<V> {
     #[must_use]
     pub fn shortest(&self, mut separation: V) -> V {
         for axis in 0..V::COMPONENTS {
-            let (length, inverse) = (self.length.axis(axis), self.inverse_length.axis(axis));
+            let length = self.length.axis(axis);
+            let inverse = self.inverse_length.axis(axis);
             separation = separation.with_axis(axis, shortest(separation.axis(axis), length, inverse));
         }
         separation
@@ -113,7 +114,8 @@ impl<V: Space> Periodic<V> {
         }
         let mut images = vec![position];
         for axis in 0..V::COMPONENTS {
-            let (x, length) = (position.axis(axis), self.length.axis(axis));
+            let x = position.axis(axis);
+            let length = self.length.axis(axis);
             let below = (x - self.low.axis(axis) <= distance).then_some(length);
             let above = (self.high.axis(axis) - x <= distance).then_some(-length);
             let so_far = images.clone();
@@ -148,7 +150,9 @@ impl<V: Space> Periodic<V> {
     #[must_use]
     pub fn wrapped(&self, mut position: V) -> V {
         for axis in 0..V::COMPONENTS {
-            let (mut x, low, high) = (position.axis(axis), self.low.axis(axis), self.high.axis(axis));
+            let mut x = position.axis(axis);
+            let low = self.low.axis(axis);
+            let high = self.high.axis(axis);
             if x < low || x >= high {
                 let length = self.length.axis(axis);
                 x -= length * ((x - low) / length).floor();
@@ -199,7 +203,8 @@ impl<V: Space> Metric<V> for Periodic<V> {
     fn shorten(&self, differences: [f64; 4]) -> [f64; 4] {
         // A missing axis gets length 0, like an open one.
         let by_axis = |of: V| quad(|axis| if axis < V::COMPONENTS { of.axis(axis) } else { 0.0 });
-        let (lengths, inverse_lengths) = (by_axis(self.length), by_axis(self.inverse_length));
+        let lengths = by_axis(self.length);
+        let inverse_lengths = by_axis(self.inverse_length);
         quad(|axis| shortest(differences[axis], lengths[axis], inverse_lengths[axis]))
     }
 }

@@ -27,7 +27,8 @@ struct OutOfTable;
 const MIN_SORTED: usize = 512;
 
 fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<Fixed>>) {
-    let (mut all, mut out_of_order) = (0, 0);
+    let mut all = 0;
+    let mut out_of_order = 0;
     for (_, slots) in rows.contiguous_iter(world).expect(DENSE) {
         all += slots.len();
         out_of_order += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();

@@ -117,7 +117,8 @@ impl Pool {
     /// Wakes the sleeping threads.
     fn wake(&self) {
         if self.may_sleep.swap(false, Ordering::Relaxed) {
-            let (own_index, shared_pool) = (self.pool.current_thread_index(), self.clone());
+            let own_index = self.pool.current_thread_index();
+            let shared_pool = self.clone();
             self.pool.spawn_broadcast(move |helper| {
                 if Some(helper.index()) != own_index {
                     shared_pool.poll_for_jobs();

@@ -74,7 +74,8 @@ impl NormalMotion {
 
     /// Returns c_mean of now and of the step before, N s/m.
     fn mean_drags(&self, terms: &Terms, pair_state: &PairState) -> [f64; 2] {
-        let (w, drag) = (self.half_width, |overlap| terms.drag(pair_state.reduced, overlap));
+        let w = self.half_width;
+        let drag = |overlap| terms.drag(pair_state.reduced, overlap);
         if terms.reaches() && self.overlaps[0] >= 16.0 * w {
             return [drag(self.at(self.overlaps[0])); 2];
         }
@@ -239,8 +240,8 @@ pub fn centred(
 pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [half, lead]: [f64; 2]) -> Option<Action> {
     let times = Times { dt: lead, lead, is_centred: true };
     let moved = -half * pair_state.velocity.dot(pair_state.normal);
-    let (low, high) =
-        (pair_state.overlap.min(pair_state.overlap + moved), pair_state.overlap.max(pair_state.overlap + moved));
+    let low = pair_state.overlap.min(pair_state.overlap + moved);
+    let high = pair_state.overlap.max(pair_state.overlap + moved);
     if high <= 0.0 {
         return None;
     }
@@ -260,7 +261,8 @@ pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [half, 
         let normal = pair_state.normal;
         let pull = |overlap: f64| terms.pull(pair_state.reduced, overlap, 1.0);
         let spring = |overlap: f64| normal * (terms.spring(pair_state.reduced, overlap) - pull(overlap));
-        let (low, share) = (low.max(0.0), (high / moved.abs()).min(1.0));
+        let low = low.max(0.0);
+        let share = (high / moved.abs()).min(1.0);
         let missing = normal * ((1.0 - share) * pull(begin.overlap));
         action = Action { force: spring(begin.overlap) + missing, torques: [V::default(); 2] };
         // Gauss's rule in the fourth root of the rise of the overlap.
@@ -355,8 +357,10 @@ fn turn(
     load: &NormalLoad,
     (drag, overlap): (f64, f64),
 ) -> Action {
-    let (levers, spins) = (pair_state.levers(terms.law.at_point), pair_state.spins);
-    let (mut friction, mut rolling) = (V::default(), V::default());
+    let levers = pair_state.levers(terms.law.at_point);
+    let spins = pair_state.spins;
+    let mut friction = V::default();
+    let mut rolling = V::default();
     let mut tangential_stiffness = [memory.stiffness; 2];
     if let Some([stiffness, damping, mu]) = terms.tangential(pair_state.reduced, overlap, drag) {
         let mobility = |side: usize| ahead.inverse_masses[side] + levers[side].powi(2) * ahead.inverse_inertias[side];
@@ -427,7 +431,8 @@ fn turn(
     }
     let action = pair_state.act(load.averaged[1] - load.pull, friction, levers, rolling);
     let Some(Rolling { k, damping, mu, .. }) = terms.law.twisting else { return action };
-    let (c, mobility) = (damping.drag(pair_state.reduced.mass, 0.0), pair_state.reduced.radius.powi(2));
+    let c = damping.drag(pair_state.reduced.mass, 0.0);
+    let mobility = pair_state.reduced.radius.powi(2);
     let mut motion = Motion {
         middle: pair_state.twisting(spins),
         gained: pair_state.twisting(ahead.spins),
@@ -455,7 +460,8 @@ fn at_start(stored: V, motion: &Motion, lead: f64) -> V {
 /// current normal force, S = -(F + c v)/k; except with Hertz's law, this force is then cut and weighted with theta instead.
 fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoad, normal: V) -> V {
     let Motion { middle, gained, halves: [half, half_lone], .. } = *motion;
-    let ([counts_before, counts], [c_before, c_mean]) = (motion.spring_shares, motion.mean_drags);
+    let [counts_before, counts] = motion.spring_shares;
+    let [c_before, c_mean] = motion.mean_drags;
     let share = load.shares[1];
     let pulled = motion.pulled * counts_before;
     let (earlier, _) = (pulled - (middle - gained) * c_before).cut(mu * load.averaged[0].abs());
@@ -487,11 +493,13 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
     if let Some(Unloading { lasts, rate, .. }) = load.unloading {
         // The force in the middle of the time before the release, if the slider sticks, averaged over the whole step.
         let [k, c] = motion.unloaded;
-        let (part, ago) = (lasts / load.dt, 0.5 * (load.dt - lasts));
+        let part = lasts / load.dt;
+        let ago = 0.5 * (load.dt - lasts);
         let stretch = held + middle * (load.dt - ago);
         let stuck = ((stretch * k + (middle + gained * (1.0 - 2.0 * ago / load.dt)) * c) * -part).across(normal);
         // The cap falls linearly to zero, with this mean over the step.
-        let (size, cap) = (stuck.length(), 0.5 * mu * rate * lasts * part);
+        let size = stuck.length();
+        let cap = 0.5 * mu * rate * lasts * part;
         if size < 2.0 * cap {
             let rest = if load.event.is_some() { (share - part).max(0.0) } else { 0.0 };
             force = stuck * (1.0 - size / (4.0 * cap)) + whole * rest;

@@ -248,7 +248,8 @@ impl Terms {
     pub fn spring(&self, reduced: Reduced, overlap: f64) -> f64 {
         if let Normal::Jkr { work, .. } = self.law.normal {
             // Twice the pull-off force is counted with the pull.
-            let (modulus, a) = (self.moduli[0], self.contact_radius(reduced, overlap));
+            let modulus = self.moduli[0];
+            let a = self.contact_radius(reduced, overlap);
             return 4.0 / 3.0 * modulus * a.powi(3) / reduced.radius - (8.0 * PI * work * modulus * a.powi(3)).sqrt()
                 + 3.0 * PI * work * reduced.radius;
         }
@@ -282,7 +283,8 @@ impl Terms {
     /// polynomials in the root q of the contact radius, so that q_high - q_low cancels in their quotient.
     pub fn mean_spring(&self, reduced: Reduced, [low, high]: [f64; 2]) -> f64 {
         let Normal::Jkr { work, .. } = self.law.normal else { return 0.0 };
-        let (modulus, radius) = (self.moduli[0], reduced.radius);
+        let modulus = self.moduli[0];
+        let radius = reduced.radius;
         let [q, p] = [low, high].map(|overlap| self.contact_radius(reduced, overlap).sqrt());
         let slope = |power: i32| {
             let terms = (0..power).map(|of_p| p.powi(of_p) * q.powi(power - 1 - of_p));
@@ -407,7 +409,8 @@ fn damping_ratio(e: f64, pulls: bool) -> f64 {
         let angle = if pulls { PI } else { PI - (2.0 * zeta * frequency).atan2(frequency * frequency - zeta * zeta) };
         (-zeta / frequency * angle).exp()
     };
-    let (mut low, mut high) = (0.0, 1.0);
+    let mut low = 0.0;
+    let mut high = 1.0;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if restitution(middle) > e { low = middle } else { high = middle }

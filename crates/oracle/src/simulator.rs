@@ -152,7 +152,8 @@ impl Simulator {
             self.release();
         }
         self.steps += 1;
-        let (dt, periodic) = (self.dt, self.periodic);
+        let dt = self.dt;
+        let periodic = self.periodic;
         let verlet = matches!(self.scheme, Scheme::Verlet | Scheme::Centred);
         let kick = if verlet { 0.5 * dt } else { dt };
         for body in &mut self.bodies {
@@ -274,7 +275,8 @@ impl Simulator {
         memory: &mut Memory,
         dt: f64,
     ) -> Option<Action> {
-        let (half, [beta, beta_of_spins]) = (0.5 * self.dt, self.prediction);
+        let half = 0.5 * self.dt;
+        let [beta, beta_of_spins] = self.prediction;
         let lead = if self.springs_exact { 0.0 } else { half };
         let gains =
             if dt == 0.0 { VelocityPrediction::default() } else { ahead(both, both.map(Body::inverse_mass), dt) };

@@ -13,7 +13,8 @@ impl V {
 
     pub fn cross(self, other: Self) -> Self {
         let component = |axis: usize| {
-            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let next = (axis + 1) % 3;
+            let last = (axis + 2) % 3;
             self.0[next] * other.0[last] - self.0[last] * other.0[next]
         };
         Self([component(0), component(1), component(2)])

@@ -196,7 +196,8 @@ mod tests {
         let keys = "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25), \
                      \"attraction\": (force: 1.0)}";
         let [a, b] = [0.16, 0.09];
-        let (rate, mean) = (50.0 / 800.0 * (1.0 / a + 1.0 / b), (a * 400.0 + b * 300.0) / (a + b));
+        let rate = 50.0 / 800.0 * (1.0 / a + 1.0 / b);
+        let mean = (a * 400.0 + b * 300.0) / (a + b);
         for space in [Dimension::Plane, Dimension::Solid] {
             let here = tempfile::tempdir().expect("a directory");
             let run = run_pair(here.path(), space, keys, 2.0);

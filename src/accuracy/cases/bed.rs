@@ -17,7 +17,8 @@ const M: f64 = 0.16;
 /// Returns the case of the falling bed. It also serves to measure the cost of a step.
 #[must_use]
 pub fn bed() -> Case {
-    let (k, b) = (1.0e4, 5.0);
+    let k = 1.0e4;
+    let b = 5.0;
     // Damping with zeta = b/(2 sqrt(k m_eff)) makes a contact 0.4 % longer.
     let zeta: f64 = b / (2.0 * f64::sqrt(k * 0.5 * M));
     let contact_duration = duration(k, 1.0, true, 0.5 * M) / (1.0 - zeta * zeta).sqrt();
@@ -35,7 +36,8 @@ pub fn bed() -> Case {
 }
 
 fn falling(seed: u64, k: f64, b: f64) -> System {
-    let (spacing, mut state) = (2.08 * R, seed);
+    let spacing = 2.08 * R;
+    let mut state = seed;
     let mut discs = Vec::new();
     for row in 0..SIDE {
         for column in 0..SIDE {

@@ -36,7 +36,9 @@ pub(super) fn cases() -> Vec<Case> {
 
 /// Returns the bounce of elastic spheres with adhesion beyond touch. The work of adhesion takes 8 % of the energy.
 fn jkr() -> Case {
-    let (young, poisson, work) = (4.0e6, 0.3, 70.0);
+    let young = 4.0e6;
+    let poisson = 0.3;
+    let work = 70.0;
     // At 1 m/s; the contact lasts longer with adhesion.
     let reduced = MASSES[0] * MASSES[1] / (MASSES[0] + MASSES[1]);
     let stiffness = 4.0 / 3.0 * young / (2.0 * (1.0 - poisson * poisson)) * (0.04f64 * 0.03 / 0.07).sqrt();

@@ -30,7 +30,8 @@ pub(super) fn cases() -> [Case; 2] {
 /// durations.
 fn chain(name: &'static str, title: &'static str, masses: [f64; 3], reduced_mass: f64, end: f64) -> Case {
     let contact_duration = duration(K, E, false, reduced_mass);
-    let (lead, gap) = (0.3 * V * contact_duration, 0.1 * V * contact_duration);
+    let lead = 0.3 * V * contact_duration;
+    let gap = 0.1 * V * contact_duration;
     let at = |y: f64| DVec2::new(0.0, y);
     let discs = vec![
         disc(0.03, masses[0], DVec2::ZERO, DVec2::ZERO),

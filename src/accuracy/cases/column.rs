@@ -7,7 +7,11 @@ use super::super::reference::closed::duration;
 use super::super::reference::{Floor, System};
 
 pub(super) fn case() -> Case {
-    let (k, e, radius, mass, speed) = (1.0e5, 0.5, 0.04, 0.16, 0.5);
+    let k = 1.0e5;
+    let e = 0.5;
+    let radius = 0.04;
+    let mass = 0.16;
+    let speed = 0.5;
     let contact_duration = duration(k, e, false, 0.5 * mass);
     let gap = 0.3 * speed * contact_duration;
     let height = |i: u32| f64::from(i) * (2.0 * radius + 0.3 * gap) + radius + 1.5 * gap;

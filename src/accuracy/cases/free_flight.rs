@@ -10,7 +10,8 @@ const G: DVec2 = DVec2::new(0.0, -9.81);
 
 pub(super) fn case() -> Case {
     let v = DVec2::new(3.0, 2.0);
-    let (k, m) = (1.0e5, 0.16);
+    let k = 1.0e5;
+    let m = 0.16;
     let contact_duration = duration(k, 1.0, true, 0.5 * m);
     let end = 20.0 * contact_duration;
     Case {

@@ -27,7 +27,9 @@ pub(super) fn case() -> Case {
 
 /// Returns 100 discs that cover a fraction 0.6 of a square box.
 fn system(seed: u64) -> System {
-    let (r, m, mut state) = (0.04, 0.16, seed);
+    let r = 0.04;
+    let m = 0.16;
+    let mut state = seed;
     let spacing = r * (std::f64::consts::PI / 0.6).sqrt();
     let width = spacing * f64::from(SIDE);
     let mut discs = Vec::new();

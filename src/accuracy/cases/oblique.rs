@@ -58,7 +58,8 @@ fn smooth() -> Case {
     let contact_duration = duration(K, E, false, 0.16 * 0.09 / 0.25);
     let v = DVec2::new(0.0, -1.0);
     // The lateral offset of the centres is half the sum of the radii.
-    let (aside, lead) = (0.5 * 0.07, 0.3 * contact_duration);
+    let aside = 0.5 * 0.07;
+    let lead = 0.3 * contact_duration;
     let up = (0.07f64.powi(2) - aside * aside).sqrt() + lead;
     let discs = vec![disc(R, M, DVec2::ZERO, DVec2::ZERO), disc(0.03, 0.09, DVec2::new(aside, up), v)];
     Case {

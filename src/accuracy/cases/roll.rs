@@ -7,7 +7,12 @@ use super::super::reference::closed::duration;
 use super::super::reference::{Floor, Friction, Law, System};
 
 pub(super) fn case() -> Case {
-    let (k, e, radius, mass, g, speed) = (1.0e6, 0.5, 0.05, 1.3, 9.81, 0.1);
+    let k = 1.0e6;
+    let e = 0.5;
+    let radius = 0.05;
+    let mass = 1.3;
+    let g = 9.81;
+    let speed = 0.1;
     let contact_duration = duration(k, e, false, mass);
     // The disc falls for half a contact duration, so that it presses on the floor at once without bouncing far. It
     // slides for about speed/(3 mu g), which is three contact durations.

@@ -7,8 +7,12 @@ use super::super::reference::closed::duration;
 use super::super::reference::{Floor, System};
 
 pub(super) fn case() -> Case {
-    let (k, e, radius, mass) = (1.0e5, 0.8, 0.04, 0.16);
-    let (top, g) = (3.6 * radius, 9.81);
+    let k = 1.0e5;
+    let e = 0.8;
+    let radius = 0.04;
+    let mass = 0.16;
+    let top = 3.6 * radius;
+    let g = 9.81;
     let contact_duration = duration(k, e, true, 2.0 / 3.0 * mass);
     let at = |share: f64| DVec2::new(0.0, share * top);
     let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y), Floor::still(at(1.0), DVec2::NEG_Y)];

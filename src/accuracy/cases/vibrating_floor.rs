@@ -7,7 +7,11 @@ use super::super::reference::closed::duration;
 use super::super::reference::{Floor, Friction, Law, System, Vibration};
 
 pub(super) fn case() -> Case {
-    let (k, e, radius, mass, speed) = (1.0e6, 0.5, 0.05, 1.3, 0.5);
+    let k = 1.0e6;
+    let e = 0.5;
+    let radius = 0.05;
+    let mass = 1.3;
+    let speed = 0.5;
     let contact_duration = duration(k, e, false, mass);
     let friction = Some(Friction { k: 0.29 * k, share: 0.5, mu: 0.3, rolling: None });
     let law = Law::Linear { k, e, attracts: false, friction };

@@ -23,7 +23,8 @@ pub fn damping_ratio(e: f64, attracts: bool) -> f64 {
     if e >= 1.0 {
         return 0.0;
     }
-    let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
+    let mut low = 0.0;
+    let mut high = 1.0 - f64::EPSILON;
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
         let restitution = (-middle / (1.0f64 - middle * middle).sqrt() * phase_at_end(middle, attracts)).exp();

@@ -96,11 +96,13 @@ pub type Push = (DVec2, f64, f64);
 impl Link {
     /// Returns the open contact of disc `i` with `other`.
     pub fn new(system: &System, i: usize, other: Other) -> Self {
-        let (m, r) = (system.discs[i].mass, system.discs[i].radius);
+        let m = system.discs[i].mass;
+        let r = system.discs[i].radius;
         let (reduced_mass, reduced_radius) = match other {
             Other::Floor(_) => (m, r),
             Other::Disc(j) => {
-                let (mass, radius) = (system.discs[j].mass, system.discs[j].radius);
+                let mass = system.discs[j].mass;
+                let radius = system.discs[j].radius;
                 (m * mass / (m + mass), r * radius / (r + radius))
             }
         };
@@ -129,7 +131,8 @@ impl Link {
         let radius = system.discs[self.i].radius;
         let (n, overlap, rim_speed) = match self.other {
             Other::Disc(j) => {
-                let (away, other) = (a.x - b.x, system.discs[j].radius);
+                let away = a.x - b.x;
+                let other = system.discs[j].radius;
                 let distance = away.length();
                 (away / distance, radius + other - distance, radius * a.w + other * b.w)
             }
@@ -261,7 +264,8 @@ impl Link {
         let Some([k, ..]) = self.slider(number, m.overlap) else { return f64::NEG_INFINITY };
         let dashpot = |m: &Meeting| self.slider(number, m.overlap).map_or(0.0, |[_, c, _]| c * m.slides[number]);
         let rate = |of: &dyn Fn(&Meeting) -> f64| (of(&around[1]) - of(&around[0])) / (2.0 * short);
-        let (cap_rate, dashpot_rate) = (rate(&|m| self.cap(number, m)), rate(&dashpot));
+        let cap_rate = rate(&|m| self.cap(number, m));
+        let dashpot_rate = rate(&dashpot);
         // A softening spring keeps its displacement.
         let softening = self.stiffening(number, m, true);
         let elastic = sign * self.cap(number, m) + dashpot(m);
@@ -296,7 +300,8 @@ impl Link {
                 s
             }
             (Normal::Closed, which) => {
-                let (number, mut s) = (which - 3, s);
+                let number = which - 3;
+                let mut s = s;
                 match self.slides[number] {
                     Slide::Stick => self.slides[number] = Slide::Slip(self.trial(number, m, s[number]).signum()),
                     Slide::Slip(sign) => {

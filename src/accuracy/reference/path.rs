@@ -106,7 +106,8 @@ impl<'a> Path<'a> {
         let step = self.length();
         let end = self.stepped(&rate, step);
         let end_rate = self.rate(&end, self.time + step);
-        let (mut first, mut length) = (None, step);
+        let mut first = None;
+        let mut length = step;
         for (number, link) in self.links.iter().enumerate() {
             let at = |t: f64| self.between(number, link, [&self.flow, &rate, &end, &end_rate], t);
             let short = 1e-3 * step;
@@ -126,7 +127,8 @@ impl<'a> Path<'a> {
     /// `ends` has the values and rates at both ends of the step, for cubic Hermite interpolation.
     fn between(&self, number: usize, link: &Link, ends: [&Flow; 4], t: f64) -> (Meeting, [f64; SLIDERS]) {
         let [y0, f0, y1, f1] = ends;
-        let (h, u) = (self.length(), t / self.length());
+        let h = self.length();
+        let u = t / self.length();
         let weights = [
             (1.0 + 2.0 * u) * (1.0 - u).powi(2),
             u * (1.0 - u).powi(2) * h,
@@ -267,7 +269,8 @@ fn bisect(value: impl Fn(f64) -> f64, end: f64) -> f64 {
     if value(0.0) > 0.0 {
         return 0.0;
     }
-    let (mut low, mut high) = (0.0, end);
+    let mut low = 0.0;
+    let mut high = end;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if value(middle) > 0.0 { high = middle } else { low = middle }
@@ -366,7 +369,8 @@ mod tests {
         system.law = Law::Linear { k: K, e: 0.5, attracts: false, friction };
         let contact = duration(K, 0.5, false, M[0]);
         let state = last(&system, contact / 1000.0, 0.0005 + 3.0 * contact);
-        let (slowed, resisted) = (0.3 * 1.5, 0.1 * 1.5);
+        let slowed = 0.3 * 1.5;
+        let resisted = 0.1 * 1.5;
         // Rolling sticks at first, before the rolling velocity has loaded the stiff spring and dashpot to the cap.
         assert!((0.04 * state.w[0] + 2.0 * (slowed - resisted)).abs() < 2e-3, "{}", 0.04 * state.w[0]);
     }
@@ -389,13 +393,16 @@ mod tests {
     #[test]
     fn a_disc_on_a_vibrating_floor_is_a_driven_oscillator() {
         // z'' = -w0^2 (z - A sin(w t)), with z the height above the place of touch: without damping, and bound to the floor.
-        let (amplitude, frequency) = (1e-3, 80.0);
+        let amplitude = 1e-3;
+        let frequency = 80.0;
         let mut system = rough(DVec2::ZERO);
         system.law = linear(1.0, true);
         system.discs[0].x.y = 0.04 - 5e-3;
         let vibration = Vibration { amplitude: DVec2::new(0.0, amplitude), frequency };
         system.floors[0].vibration = Some(vibration);
-        let (own, pulse, end) = ((K / M[0]).sqrt(), TAU * frequency, 1.5e-3);
+        let own = (K / M[0]).sqrt();
+        let pulse = TAU * frequency;
+        let end = 1.5e-3;
         let driven = amplitude / (1.0 - (pulse / own).powi(2));
         let z = driven * (pulse * end).sin() - 5e-3 * (own * end).cos() - driven * pulse / own * (own * end).sin();
         let state = last(&system, duration(K, 1.0, true, M[0]) / 1000.0, end);
@@ -424,7 +431,8 @@ mod tests {
                 let state = last(&system, contact / n, end);
                 (state.v[0] - exact.v[0]).length() + 0.04 * (state.w[0] - exact.w[0]).abs()
             };
-            let (coarse, fine) = (error(31.3), error(8.0 * 31.3));
+            let coarse = error(31.3);
+            let fine = error(8.0 * 31.3);
             let order = (coarse / fine).log2() / 3.0;
             assert!(order > 3.4, "{name}: {coarse:e}, {fine:e}, order {order:.2}");
         }

@@ -63,7 +63,8 @@ impl Question<'_> {
     /// If the scene is invalid, or if no step of the ladder runs to its end.
     pub fn answer(&self, report_progress: &(dyn Fn(&str) + Sync)) -> Result<Study, Fault> {
         let own = self.load(None, None)?;
-        let (step, first) = (own.step(), own.scene.seed);
+        let step = own.step();
+        let first = own.scene.seed;
         let factors = if self.quick { &SHORT[..] } else { &FACTORS[..] };
         let mut seeds: Vec<u64> = (0..u64::from(self.seeds)).map(|n| first.wrapping_add(n)).collect();
         let mut rungs: Vec<Rung> = Vec::new();

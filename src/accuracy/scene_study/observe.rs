@@ -60,7 +60,8 @@ pub struct Observed {
 /// If a check of the scene refuses it.
 pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
-    let (mut cost, start) = (Cost::default(), Instant::now());
+    let mut cost = Cost::default();
+    let start = Instant::now();
     let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
     cost.wall_s = start.elapsed().as_secs_f64();
     // The mean height is meaningful only if no grain has left, because grains outside fall without a limit.
@@ -109,7 +110,8 @@ fn mean_height(world: &World) -> Option<f64> {
 }
 
 fn mean_height_in<V: Space>(world: &World) -> Option<f64> {
-    let (store, gravity) = (world.resource::<ParticleStore<V>>(), world.resource::<Gravity<V>>().0);
+    let store = world.resource::<ParticleStore<V>>();
+    let gravity = world.resource::<Gravity<V>>().0;
     let up = gravity * (-1.0 / gravity.length_squared().sqrt());
     let grains = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
     let heights: Vec<f64> = grains.map(|i| store.body[i].position.dot(up)).collect();

@@ -181,7 +181,8 @@ impl Study {
     pub fn table(&self) -> String {
         let mut text = format!("{}: {} seeds, target error {:e}\n", self.scene, self.seeds, self.error);
         for step in &self.steps {
-            let (factor, dt) = (step.factor, step.step_s);
+            let factor = step.factor;
+            let dt = step.step_s;
             // Writing to a string cannot fail.
             let _ = match (&step.refused, step.wall_s, step.ns_per_particle_step) {
                 (Some(why), ..) => writeln!(text, "\nstep {dt:.3e} s, {factor} of the scene's: refused: {why}"),
@@ -206,7 +207,8 @@ impl Study {
                     Standing::DiffersWithin => "* differs, within the error",
                     Standing::Differs => "** differs",
                 });
-                let (name, mean) = (figure.name, figure.mean.mean);
+                let name = figure.name;
+                let mean = figure.mean.mean;
                 let _ = writeln!(text, "  {name:<22} {mean:>12.6e} {error:<10} {difference:>9}  {standing}");
             }
         }

@@ -74,7 +74,8 @@ impl Standing {
     /// Compares `mean` with `finest` for the relative target error `error`.
     #[must_use]
     pub fn of(mean: &Mean, finest: &Mean, error: f64) -> Self {
-        let (difference, noise) = ((mean.mean - finest.mean).abs(), mean.noise(finest));
+        let difference = (mean.mean - finest.mean).abs();
+        let noise = mean.noise(finest);
         let allowed = error * finest.mean.abs();
         // If the seed has no effect the noise is 0, and a difference in the last bit is significant.
         match (difference <= noise, difference <= allowed) {

@@ -100,7 +100,8 @@ impl Runs<'_> {
             let left = ahead + queue.running.len();
             #[expect(clippy::cast_precision_loss, reason = "figures for people")]
             progress.show(0, |pace| {
-                let (done, over) = (todo.len() - left, all - left);
+                let done = todo.len() - left;
+                let over = all - left;
                 let time = pace.left(done as f64, left as f64);
                 let time = if done > 0 { format!(", about {time:.0} s left") } else { String::new() };
                 format!("{over} of {all} runs are over, {} run now{time}", queue.running.len() + queue.elsewhere.len())

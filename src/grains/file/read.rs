@@ -51,7 +51,9 @@ fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Defect> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(source);
     let header = reader.headers().map_err(Defect::syntax)?.clone();
     check_header(&header, kind)?;
-    let (mut seen, mut rows, mut record) = (BTreeSet::new(), Vec::new(), StringRecord::new());
+    let mut seen = BTreeSet::new();
+    let mut rows = Vec::new();
+    let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(Defect::syntax)? {
         let line = Line { header: &header, record: &record, kind };
         let row = line.grain()?;

@@ -54,7 +54,8 @@ pub fn without_spin(text: &str) -> Result<(String, usize), Fault> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let of_spin: Vec<_> = reader.headers().map_err(failed)?.iter().map(|column| SPIN.contains(&column)).collect();
     let is_spin = |column: usize| of_spin.get(column).copied().unwrap_or(false);
-    let (mut writer, mut spinning) = (csv::Writer::from_writer(Vec::new()), 0);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut spinning = 0;
     for (number, record) in std::iter::once(reader.headers().cloned()).chain(reader.records()).enumerate() {
         let record = record.map_err(failed)?;
         let turns = |(column, value): (usize, &str)| is_spin(column) && value.parse::<f64>() != Ok(0.0);

@@ -7,7 +7,8 @@ pub(super) fn tsuji(factor: f64) -> Option<(f64, &'static str)> {
         return Some((0.0, "velocity"));
     }
     // The polynomial falls from 1.2728 at 0 through zero between 1 and 1.001.
-    let (mut low, mut high) = (0.0, 1.001);
+    let mut low = 0.0;
+    let mut high = 1.001;
     if tsuji_polynomial(low) < factor {
         return None;
     }

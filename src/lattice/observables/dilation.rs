@@ -19,7 +19,8 @@ const BELOW_SURFACE: f64 = 0.8;
 #[must_use]
 pub fn threshold_free_height(history: &History, step: u64) -> Option<f64> {
     let blocks = &history.blocks;
-    let (onset, now) = (history.onset(), history.short_mean(step)?);
+    let onset = history.onset();
+    let now = history.short_mean(step)?;
     let threshold = 0.5 * onset_density(history)?;
     let top = BELOW_SURFACE * surface_level(blocks, &onset, threshold)?;
     let loss = |row| {

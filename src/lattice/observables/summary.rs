@@ -197,9 +197,11 @@ mod tests {
         }
 
         fn history(&mut self) -> History {
-            let (columns, rows) = (self.below(8) as usize, self.below(8) as usize);
+            let columns = self.below(8) as usize;
+            let rows = self.below(8) as usize;
             let sites = (0..columns * rows).map(|_| self.below(30)).collect();
-            let (x, y) = ((0..columns).map(|_| self.place()).collect(), (0..rows).map(|_| self.place()).collect());
+            let x = (0..columns).map(|_| self.place()).collect();
+            let y = (0..rows).map(|_| self.place()).collect();
             let start = Frame { step: 0, ..self.frame(columns * rows) };
             let mut frames: Vec<_> = (0..self.below(60)).map(|_| self.frame(columns * rows)).collect();
             if self.below(2) == 0 {

@@ -40,7 +40,8 @@ fn column_surface(blocks: &Blocks, density: &[f64], threshold: f64, column: usiz
     let Some(above) = blocks.block(column, highest.row + 1) else {
         return finite(highest.y + 0.5 * BLOCK_HEIGHT);
     };
-    let (inside, outside) = (density[highest.index], density[above.index]);
+    let inside = density[highest.index];
+    let outside = density[above.index];
     finite(highest.y + (inside - threshold) / (inside - outside) * (above.y - highest.y))
 }
 

@@ -28,7 +28,8 @@ const CENTRAL_WITHIN: f64 = 20.0;
 #[must_use]
 pub fn dilatant_zone(history: &History, step: u64) -> Option<Vec<Block>> {
     let blocks = &history.blocks;
-    let (onset, now) = (history.onset(), history.short_mean(step)?);
+    let onset = history.onset();
+    let now = history.short_mean(step)?;
     let threshold = 0.5 * onset_density(history)?;
     let ratio: Vec<_> = onset.iter().zip(&now).map(|(&then, now)| (then > threshold).then_some(now / then)).collect();
     let mut is_loose = vec![false; ratio.len()];
@@ -51,13 +52,15 @@ fn smoothed(blocks: &Blocks, values: &[Option<f64>], block: Block) -> Option<f64
 
 /// Returns the member blocks that are connected over common sides with one of the start blocks.
 fn connected(blocks: &Blocks, mut is_member: Vec<bool>, starts: Vec<Block>) -> Vec<Block> {
-    let (mut found, mut next) = (Vec::new(), starts);
+    let mut found = Vec::new();
+    let mut next = starts;
     while let Some(block) = next.pop() {
         if !std::mem::take(&mut is_member[block.index]) {
             continue;
         }
         found.push(block);
-        let (column, row) = (block.column, block.row);
+        let column = block.column;
+        let row = block.row;
         next.extend(column.checked_sub(1).and_then(|column| blocks.block(column, row)));
         next.extend(row.checked_sub(1).and_then(|row| blocks.block(column, row)));
         next.extend(blocks.block(column + 1, row));
@@ -95,7 +98,8 @@ pub fn zone_aspect_ratio(history: &History, step: u64) -> Option<f64> {
 #[must_use]
 pub fn central_share(history: &History, step: u64) -> Option<f64> {
     let zone = dilatant_zone(history, step)?;
-    let (onset, now) = (history.onset(), history.short_mean(step)?);
+    let onset = history.onset();
+    let now = history.short_mean(step)?;
     let loss = |block: &Block| onset[block.index] - now[block.index];
     let central: f64 = zone.iter().filter(|block| block.x.abs() < CENTRAL_WITHIN).map(loss).sum();
     let total: f64 = zone.iter().map(loss).sum();

@@ -23,7 +23,8 @@ const BOND: f64 = 20.5;
 pub fn collisions() -> String {
     let examples = examples(&Collisions::default());
     let rows = examples.iter().fold(0.0, |rows, _| rows + 1.0);
-    let (width, height) = (2.0 * LEFT + 11.0 * CELL + 2.0 * GAP, TOP + rows * ROW + BOTTOM);
+    let width = 2.0 * LEFT + 11.0 * CELL + 2.0 * GAP;
+    let height = TOP + rows * ROW + BOTTOM;
     let mut paper = Paper::new(width, height);
     let heads = [
         (left(0), "incoming"),

@@ -65,10 +65,12 @@ fn class_examples(table: &Collisions, class: &'static str, belongs: Test) -> imp
 /// Returns the example of a state; `None` unless both kinds of outgoing states have exactly the sum of the state.
 fn example(table: &Collisions, class: &'static str, incoming: u16) -> Option<Example> {
     let resultant = place(momentum(incoming & MOVERS));
-    let (elastic, stopped) = (table.choice(4, resultant), table.choice(3, resultant));
+    let elastic = table.choice(4, resultant);
+    let stopped = table.choice(3, resultant);
     let is_exact = elastic.is_exact && stopped.is_exact;
     is_exact.then(|| {
-        let (elastic, stopped) = (table.states(elastic), table.states(stopped));
+        let elastic = table.states(elastic);
+        let stopped = table.states(stopped);
         Example {
             class,
             incoming,

@@ -91,7 +91,8 @@ pub(super) fn flight(seed: u64, g: f64) -> Result<Vec<Vector>, Fault> {
 
 /// Returns the position of the particle, in units of the scene's spacing of 1 m.
 fn place(simulation: &Simulation) -> Result<Vector, Fault> {
-    let (sites, gas) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Gas>());
+    let sites = simulation.world().resource::<Sites>();
+    let gas = simulation.world().resource::<Gas>();
     let site = sites.fluid().find(|&s| gas.states()[s] != 0);
     site.map(|s| sites.position(s)).ok_or_else(|| Fault::new("study::lost", "no particle is in the box"))
 }
@@ -149,7 +150,8 @@ mod tests {
 
     #[test]
     fn a_flight_with_g_1_is_the_exact_mean() {
-        let (flown, exact) = (flight(7, 1.0).unwrap(), expected(1.0));
+        let flown = flight(7, 1.0).unwrap();
+        let exact = expected(1.0);
         // The tolerance covers a few roundings of coordinates of up to 140.
         assert!(flown.iter().zip(&exact).all(|(a, b)| a.distance(*b) < 1e-11));
         assert_eq!(mean(&[flown.clone(), flown.clone()]), flown);

@@ -82,10 +82,12 @@ impl Paper {
         let length = vector.length();
         let ahead = if length > 0.0 { vector / length } else { Vector::new(1.0, 0.0) };
         let head = (5.0 * pen.width).min(0.7 * length);
-        let (base, aside) = (to - head * ahead, 0.4 * head * Vector::new(-ahead.y, ahead.x));
+        let base = to - head * ahead;
+        let aside = 0.4 * head * Vector::new(-ahead.y, ahead.x);
         // The line overlaps the head slightly, so that no gap is visible.
         self.line(from, base + 0.2 * head * ahead, pen);
-        let (a, b) = (base + aside, base - aside);
+        let a = base + aside;
+        let b = base - aside;
         self.put(format_args!(
             r#"<path d="M{:.1} {:.1}L{:.1} {:.1}L{:.1} {:.1}Z" fill="{}"/>"#,
             to.x,
@@ -118,7 +120,8 @@ impl Paper {
 
     /// Draws a text with subscripts.
     pub fn formula(&mut self, at: Vector, size: f64, anchor: Anchor, text: &str) {
-        let (down, small) = (0.22 * size, 0.75 * size);
+        let down = 0.22 * size;
+        let small = 0.75 * size;
         let mut parts = text.split('_');
         let mut written = for_xml(parts.next().unwrap_or_default());
         for part in parts {

@@ -20,7 +20,8 @@ impl Plot {
     /// Creates a plot that contains the origin and all these points. Its range ends at multiples of 10.
     pub fn of<'a>(points: impl Iterator<Item = &'a Vector>) -> Self {
         let (low, high) = points.fold((Vector::ZERO, Vector::ZERO), |(low, high), &x| (low.min(x), high.max(x)));
-        let (low, high) = (10.0 * (low / 10.0).floor(), 10.0 * (high / 10.0).ceil());
+        let low = 10.0 * (low / 10.0).floor();
+        let high = 10.0 * (high / 10.0).ceil();
         Self { low, high, scale: (PLOT / (high - low)).min_element() }
     }
 
@@ -44,12 +45,14 @@ impl Plot {
     pub fn axes(&self, paper: &mut Paper) {
         let pen = Pen { width: 0.8, colour: FAINT };
         for x in tens(self.low.x, self.high.x) {
-            let (from, to) = (self.at(Vector::new(x, self.low.y)), self.at(Vector::new(x, self.high.y)));
+            let from = self.at(Vector::new(x, self.low.y));
+            let to = self.at(Vector::new(x, self.high.y));
             paper.line(from, to, pen);
             paper.text(from + Vector::new(0.0, 18.0), 13.0, Anchor::Middle, &format!("{x:.0}"));
         }
         for y in tens(self.low.y, self.high.y) {
-            let (from, to) = (self.at(Vector::new(self.low.x, y)), self.at(Vector::new(self.high.x, y)));
+            let from = self.at(Vector::new(self.low.x, y));
+            let to = self.at(Vector::new(self.high.x, y));
             paper.line(from, to, pen);
             paper.text(from + Vector::new(-8.0, 5.0), 13.0, Anchor::End, &format!("{y:.0}"));
         }

@@ -36,7 +36,8 @@ pub fn resultants() -> String {
     let sums = sums();
     let most = f64::from(sums.values().copied().max().unwrap_or(1));
     for (&sum, &count) in &sums {
-        let (at, fill) = (PLANE.at(sum), hex(viridis(f64::from(count).ln() / most.ln())));
+        let at = PLANE.at(sum);
+        let fill = hex(viridis(f64::from(count).ln() / most.ln()));
         paper.put(format_args!(r#"<circle class="sum" cx="{:.1}" cy="{:.1}" r="8" fill="{fill}"/>"#, at.x, at.y));
     }
     paper.ring(PLANE.origin, 11.0, Pen { width: 1.4, colour: INK });
@@ -61,7 +62,9 @@ fn axes(paper: &mut Paper) {
 
 /// Draws the colour scale, which is logarithmic.
 fn legend(paper: &mut Paper, most: f64) {
-    let (x, y, width) = (190.0, HEIGHT - 34.0, 220.0);
+    let x = 190.0;
+    let y = HEIGHT - 34.0;
+    let width = 220.0;
     paper.put(format_args!(r#"<linearGradient id="sets">"#));
     for stop in 0..=20u8 {
         let share = f64::from(stop) / 20.0;
@@ -104,9 +107,11 @@ fn example(paper: &mut Paper) {
 
 /// Draws V, v4 at the tip of V, and their sum.
 fn triangle(paper: &mut Paper, at: Lattice, before: u16) {
-    let (v, down) = (momentum(before), STEPS[DOWN]);
+    let v = momentum(before);
+    let down = STEPS[DOWN];
     let kicked = (v.0 + down.0, v.1 + down.1);
-    let (tip, sum) = (at.at(v), at.at(kicked));
+    let tip = at.at(v);
+    let sum = at.at(kicked);
     paper.arrow(at.origin, tip, sum_pen([0x88; 3]));
     paper.arrow(tip, sum, sum_pen([0x33, 0xa0, 0x62]));
     paper.arrow(at.origin, sum, sum_pen(INK));
@@ -130,7 +135,8 @@ mod tests {
     #[test]
     fn the_example_gains_exactly_one_kick() {
         let (before, after) = example_states(&Collisions::default()).unwrap();
-        let (v, out) = (momentum(before), momentum(after));
+        let v = momentum(before);
+        let out = momentum(after);
         assert_eq!(out, (v.0, v.1 - 2));
         assert_eq!(before.count_ones(), after.count_ones());
     }

@@ -40,8 +40,10 @@ pub(super) fn paths(cells: &[Cell]) -> Vec<(u8, String)> {
     // End point of each path so far.
     let mut ends = [(0, 0); LEVELS as usize];
     for Stroke(level, column, from, to) in strokes(&grid(cells)) {
-        let (path, end) = (&mut paths[usize::from(level)], &mut ends[usize::from(level)]);
-        let (dx, dy) = (column - end.0, from - end.1);
+        let path = &mut paths[usize::from(level)];
+        let end = &mut ends[usize::from(level)];
+        let dx = column - end.0;
+        let dy = from - end.1;
         let space = if dy < 0 { "" } else { " " };
         // Writing to a string cannot fail.
         let _ = write!(path, "m{dx}{space}{dy}v{}", to - from);

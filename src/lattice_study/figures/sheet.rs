@@ -109,13 +109,16 @@ fn width(text: &str) -> f64 {
 
 /// Draws the scale of the grey levels.
 fn legend(paper: &mut Paper) {
-    let (swatch, y) = (12.0, 14.0);
+    let swatch = 12.0;
+    let y = 14.0;
     let x = WIDTH - MARGIN - swatch * f64::from(LEVELS) - 24.0;
     for level in 0..LEVELS {
-        let (x, fill) = (x + swatch * f64::from(level), hex(shade(level)));
+        let x = x + swatch * f64::from(level);
+        let fill = hex(shade(level));
         paper.put(format_args!(r#"<rect x="{x}" y="{y}" width="{swatch}" height="14" fill="{fill}"/>"#));
     }
-    let (right, frame) = (x + swatch * f64::from(LEVELS), hex(INK));
+    let right = x + swatch * f64::from(LEVELS);
+    let frame = hex(INK);
     paper.put(format_args!(
         r#"<rect x="{x}" y="{y}" width="{}" height="14" fill="none" stroke="{frame}" stroke-width="0.6"/>"#,
         right - x
@@ -148,7 +151,8 @@ fn draw(paper: &mut Paper, panel: &Panel, floor: Vector, scale: f64) {
 fn outline(paper: &mut Paper, panel: &Panel, at: impl Fn(Vector) -> Vector) {
     let mut path = String::new();
     for &(from, to) in &panel.lines {
-        let (a, b) = (at(from), at(to));
+        let a = at(from);
+        let b = at(to);
         // Writing to a string cannot fail.
         let _ = write!(path, "M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y);
     }

@@ -26,7 +26,8 @@ const TRACE: Rgb = [0x8a; 3];
 pub fn thrown(flights: &Flights) -> String {
     let Flights { g, flights } = flights;
     let g = *g;
-    let (exact, shown) = (expected(g), &flights[..flights.len().min(MOST_TRACES)]);
+    let exact = expected(g);
+    let shown = &flights[..flights.len().min(MOST_TRACES)];
     let plot = Plot::of(shown.iter().flatten().chain(&exact));
     let mut paper = Paper::new(plot.corner().x + LEGEND, plot.corner().y + 52.0);
     plot.axes(&mut paper);

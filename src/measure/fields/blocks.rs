@@ -140,11 +140,15 @@ mod tests {
     fn the_error_covers_the_spread_of_means_of_correlated_samples() {
         // x' = a x + noise has a correlation time of 1/(1 - a) = 20 samples. The mean of N of them has, over many
         // repetitions, the variance s^2/N/(1 - a)^2 for noise of variance s^2 and N far above 20.
-        let (a, samples, repetitions) = (0.95, 4000u32, 200u32);
-        let (mut squares, mut estimated) = (0.0, 0.0);
+        let a = 0.95;
+        let samples = 4000u32;
+        let repetitions = 200u32;
+        let mut squares = 0.0;
+        let mut estimated = 0.0;
         for repetition in 0..repetitions {
             let random = Stream::new(repetition.into(), "blocks");
-            let (mut blocks, mut x) = (Blocks::new(2), 0.0);
+            let mut blocks = Blocks::new(2);
+            let mut x = 0.0;
             for sample in 0..samples {
                 let [noise] = random.uniform::<1>(sample.into());
                 x = a * x + noise - 0.5;

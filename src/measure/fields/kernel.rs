@@ -41,7 +41,9 @@ mod tests {
 
     /// Returns erf(x) to about 1e-16, by the series 2/sqrt(pi) exp(-x^2) sum 2^n x^(2n+1)/(2n+1)!! (Abramowitz and Stegun 7.1.6).
     fn erf(x: f64) -> f64 {
-        let (mut term, mut sum, mut n) = (x, x, 1.0);
+        let mut term = x;
+        let mut sum = x;
+        let mut n = 1.0;
         while term.abs() > 1e-17 * sum.abs() {
             term *= 2.0 * x * x / (2.0 * n + 1.0);
             sum += term;

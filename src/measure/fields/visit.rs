@@ -40,7 +40,8 @@ impl<V: Space> Grid<V> {
                 }
             }),
             Some(gaussian) => self.pieces(image, way, &gaussian.sharp, |start, end| {
-                let (from, part) = (image + way * start, way * (end - start));
+                let from = image + way * start;
+                let part = way * (end - start);
                 let middle = from + part * 0.5;
                 if self.is_between_sharp_ends(middle, gaussian) {
                     let parts = parts_of_line(part.length_squared().sqrt(), gaussian.width);
@@ -70,7 +71,8 @@ impl<V: Space> Grid<V> {
             if !gaussian.smooth.contains(&axis) {
                 return 0..1;
             }
-            let (low, high) = (along(axis, f64::min, f64::INFINITY), along(axis, f64::max, f64::NEG_INFINITY));
+            let low = along(axis, f64::min, f64::INFINITY);
+            let high = along(axis, f64::max, f64::NEG_INFINITY);
             self.axes[axis].numbers(low - CUT * width, high + CUT * width)
         });
         if ranges.iter().any(std::ops::Range::is_empty) {
@@ -120,16 +122,21 @@ impl<V: Space> Grid<V> {
         if way == 0.0 || !cells.low.is_finite() {
             return;
         }
-        let (low, high) = (from.min(from + way), from.max(from + way));
+        let low = from.min(from + way);
+        let high = from.max(from + way);
         // One border more on each side, because the middles of cells count in `numbers`.
         let numbers = cells.numbers(low - cells.width(), high + cells.width());
         cuts.extend((numbers.start..=numbers.end).map(|number| (cells.border(number) - from) / way));
     }
 
     fn cuts_at_radii(&self, from: V, way: V, centre: [f64; 2], cuts: &mut Vec<f64>) {
-        let (x, y) = (from.axis(0) - centre[0], from.axis(1) - centre[1]);
-        let (u, v) = (way.axis(0), way.axis(1));
-        let (square, middle, start) = (u * u + v * v, x * u + y * v, x * x + y * y);
+        let x = from.axis(0) - centre[0];
+        let y = from.axis(1) - centre[1];
+        let u = way.axis(0);
+        let v = way.axis(1);
+        let square = u * u + v * v;
+        let middle = x * u + y * v;
+        let start = x * x + y * y;
         if square == 0.0 {
             return;
         }
@@ -158,7 +165,8 @@ impl<V: Space> Grid<V> {
                 Some(centre) if axis < 2 => (centre[axis] - self.axes[0].high, centre[axis] + self.axes[0].high),
                 _ => (self.axes[axis].low, self.axes[axis].high),
             };
-            let (first, last) = (from.axis(axis), from.axis(axis) + way.axis(axis));
+            let first = from.axis(axis);
+            let last = from.axis(axis) + way.axis(axis);
             // Images n with first + n side <= high + reach and last + n side >= low - reach, for either order of ends.
             let n_low = ((low - reach - first.max(last)) / side).ceil();
             let n_high = ((high + reach - first.min(last)) / side).floor();

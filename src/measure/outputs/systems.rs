@@ -110,7 +110,9 @@ pub(crate) fn summary_values(world: &mut World) -> Values {
             // A system that cannot run, for example because a resource is missing, has no value.
             let value = registered.system.run_readonly((), world).unwrap_or(f64::NAN);
             let quantity = &registered.quantity;
-            let (name, unit, label) = (quantity.name.clone(), quantity.unit.clone(), quantity.label.clone());
+            let name = quantity.name.clone();
+            let unit = quantity.unit.clone();
+            let label = quantity.label.clone();
             all.entry(quantity.behaviour.clone()).or_default().insert(name, Value { value, unit, label });
         }
     });

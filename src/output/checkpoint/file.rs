@@ -173,7 +173,8 @@ impl<R: Read + Seek> Packed<R> {
         let length = file.seek(SeekFrom::End(0))?;
         let before = length.checked_sub(8).ok_or_else(cut)?;
         file.rewind()?;
-        let (mut magic, mut expected) = ([0; MAGIC.len()], [0; 8]);
+        let mut magic = [0; MAGIC.len()];
+        let mut expected = [0; 8];
         file.read_exact(&mut magic).map_err(|_| cut())?;
         if magic != *MAGIC || before < MAGIC.len() as u64 {
             return Err(damaged("it is no checkpoint"));

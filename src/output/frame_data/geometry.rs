@@ -34,7 +34,8 @@ pub fn walls<V: Space>(all: &[SurfaceWall<V>], domain: [Solid; 2]) -> Vec<WallGe
     for surface in all {
         let number = u32::try_from(surface.number + 1).unwrap_or(u32::MAX);
         if walls.last().is_none_or(|wall| wall.number != number) {
-            let (species, is_door) = (surface.species.0, surface.door.is_some());
+            let species = surface.species.0;
+            let is_door = surface.door.is_some();
             walls.push(WallGeometry { number, species, is_door, ..WallGeometry::default() });
         }
         if let Some(wall) = walls.last_mut()
@@ -67,7 +68,8 @@ fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 
         }
         Surface::Triangle(triangle) => add(&triangle.0.map(V::spread), &[], &[[0, 1, 2]]),
         Surface::HalfPlane(half) => {
-            let (point, normal) = (half.point.spread(), half.normal.spread());
+            let point = half.point.spread();
+            let normal = half.normal.spread();
             let middle = 0.5 * (domain[0] + domain[1]);
             let foot = middle - (middle - point).dot(normal) * normal;
             let reach = (0.5 * (domain[1] - domain[0]).length()).max(f64::MIN_POSITIVE);
@@ -124,7 +126,8 @@ const SQUARE: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 fn turned([base, axis]: [Solid; 2], profile: &[[f64; 2]]) -> (Vec<Solid>, Vec<[u32; 3]>) {
     let first = axis.any_orthonormal_vector();
     let second = axis.cross(first);
-    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    let mut points = Vec::new();
+    let mut triangles = Vec::new();
     let height = u32::try_from(profile.len()).unwrap_or(u32::MAX);
     for sector in 0..SECTORS {
         let angle = TAU * f64::from(sector) / f64::from(SECTORS);
@@ -213,7 +216,8 @@ mod tests {
         let panel = Panel { corner: Solid::X, along: Solid::new(0.0, 2.0, 0.0), across: Solid::new(0.0, 0.0, 3.0) };
         assert!((area(&one(Surface::Panel(panel))) - 6.0).abs() < 1e-12);
         // Sectors: the side of a polygon of n corners is 2 r sin(pi/n); a cylinder of it has n flat sides.
-        let (n, half) = (f64::from(SECTORS), TAU / 2.0 / f64::from(SECTORS));
+        let n = f64::from(SECTORS);
+        let half = TAU / 2.0 / f64::from(SECTORS);
         let cylinder = one(Surface::Revolved(Revolved::between(Solid::ZERO, Solid::Z * 2.0, [0.5, 0.5])));
         assert!((area(&cylinder) - 2.0 * n * 2.0 * 0.5 * half.sin()).abs() < 1e-12);
         let plate = one(Surface::Revolved(Revolved::ring(Solid::ZERO, Solid::Y, [0.0, 2.0])));

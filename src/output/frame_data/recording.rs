@@ -139,7 +139,8 @@ fn add_registered(table: &mut Table, columns: &[RegisteredColumn], values: &Grai
 }
 
 fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table {
-    let (store, rows) = (survey.store, rows(survey));
+    let store = survey.store;
+    let rows = rows(survey);
     let mut kind_of = vec![0; store.len()];
     for (slot, is_door, is_grain) in kinds {
         // A particle that has no slot yet is not in the frame.
@@ -166,7 +167,8 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table 
         columns.push(column("spin", "rad/s", V::Spin::COUNT, spins));
     }
     if measured {
-        let (pressures, coordination) = (pressure::of(survey), coordination(survey));
+        let pressures = pressure::of(survey);
+        let coordination = coordination(survey);
         let pressure_unit = if V::COMPONENTS == 2 { "N/m" } else { "N/m^2" };
         columns.extend([
             column("force", "N", d, vectors(&|row| store.loads.force.get(row).unwrap_or(V::ZERO))),
@@ -202,7 +204,8 @@ fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
         Touched::Wall(number) => u32::try_from(number).unwrap_or(u32::MAX),
         Touched::Particle(_) => 0,
     });
-    let (partners, walls) = (Values::I32(partners.collect()), Values::U32(walls.collect()));
+    let partners = Values::I32(partners.collect());
+    let walls = Values::U32(walls.collect());
     let table = |name: &str, partner: Column, contacts: &[ContactState<V>]| {
         let floats = |of: fn(&ContactState<V>) -> f64| Values::F64(contacts.iter().map(of).collect());
         let columns = vec![

@@ -157,7 +157,8 @@ mod tests {
         let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
         let file = FrameFile { file: Growing::of(full, "frames.bin") };
         let formats = LiveFormats::open(&[], header(), &RowsPlace::default()).unwrap();
-        let (mut writer, mut outcome) = (FrameDataWriter::new(file, formats), Outcome::default());
+        let mut writer = FrameDataWriter::new(file, formats);
+        let mut outcome = Outcome::default();
         writer.add(Arc::default(), &mut outcome);
         outcome.finish(End::Empty);
         writer.add(Arc::default(), &mut outcome);

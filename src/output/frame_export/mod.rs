@@ -128,7 +128,8 @@ fn grain_columns(header: &Header, frame: &Frame) -> (usize, Vec<Column>) {
 
 /// Returns the kinetic energy of translation of each grain, J: m v^2/2.
 fn kinetic_energy(header: &Header, grains: &Table) -> Option<Column> {
-    let (mass, velocity) = (grains.floats("mass")?, grains.floats("velocity")?);
+    let mass = grains.floats("mass")?;
+    let velocity = grains.floats("velocity")?;
     let squares = velocity.chunks(header.dimension.into()).map(|v| v.iter().map(|v| v * v).sum::<f64>());
     let values = Values::F64(mass.iter().zip(squares).map(|(mass, square)| 0.5 * mass * square).collect());
     Some(Column { name: "kinetic_energy".to_owned(), unit: "J".to_owned(), components: 1, values })

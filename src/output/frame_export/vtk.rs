@@ -64,7 +64,8 @@ impl Directory {
         for ((list, name), content) in self.lists.iter_mut().zip(NAMES).zip(files(header, frame)) {
             let Some(content) = content else { continue };
             let file = format!("{name}-{:05}.vtp", self.count);
-            let (path, bytes) = (self.path.join(&file), content.bytes());
+            let path = self.path.join(&file);
+            let bytes = content.bytes();
             whole_file::write(&path, &bytes)?;
             in_record(&self.files, &path).is_written(Extent::default().with(&bytes));
             let list = if let Some(list) = list {
@@ -170,8 +171,11 @@ fn points(table: &Table, name: &str, header: &Header) -> Vec<[f64; 3]> {
 }
 
 fn contacts(header: &Header, frame: &Frame) -> Option<PolyData> {
-    let (grains, between, walls) = (frame.table("grains")?, frame.table("contacts")?, frame.table("wall_contacts")?);
-    let (ids, places) = (grains.whole("id")?, points(grains, "position", header));
+    let grains = frame.table("grains")?;
+    let between = frame.table("contacts")?;
+    let walls = frame.table("wall_contacts")?;
+    let ids = grains.whole("id")?;
+    let places = points(grains, "position", header);
     let place_of: HashMap<i64, [f64; 3]> = ids.into_iter().zip(places).collect();
     let place_of = |id: &i64| place_of.get(id).copied().unwrap_or([f64::NAN; 3]);
     let [first, second] = [between.whole("grain")?, between.whole("partner")?];
@@ -225,7 +229,8 @@ fn walls(header: &Header, frame: &Frame) -> PolyData {
     let walls = frame.walls(header);
     let mut data = PolyData { time: frame.time, ..PolyData::default() };
     // The columns of lines come before those of triangles.
-    let (mut of_lines, mut of_triangles) = (Vec::new(), Vec::new());
+    let mut of_lines = Vec::new();
+    let mut of_triangles = Vec::new();
     for wall in walls {
         let first = u32::try_from(data.points.len()).unwrap_or(u32::MAX);
         data.points.extend(&wall.points);

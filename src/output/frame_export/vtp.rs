@@ -102,7 +102,8 @@ impl PolyData {
     /// Returns the bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
         let mut parts = Parts::default();
-        let (points, verts) = (self.points.len(), if self.verts { self.points.len() } else { 0 });
+        let points = self.points.len();
+        let verts = if self.verts { self.points.len() } else { 0 };
         let _ = writeln!(
             parts.xml,
             "<?xml version=\"1.0\"?>\n\

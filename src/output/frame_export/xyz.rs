@@ -33,7 +33,8 @@ pub fn text(header: &Header, frame: &Frame) -> String {
     });
     let properties = properties.collect::<Vec<_>>().join(":");
     let lattice = lattice.collect::<Vec<_>>().join(" ");
-    let (time, step) = (float(frame.time), frame.step);
+    let time = float(frame.time);
+    let step = frame.step;
     let mut text = format!(
         "{rows}\nLattice=\"{lattice}\" Origin=\"{origin}\" Properties={properties} Time={time} Step={step} pbc=\"{periodic}\"\n"
     );

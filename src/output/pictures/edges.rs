@@ -45,7 +45,8 @@ pub(super) fn edges(faces: &[Face], depth: Solid, size: f64) -> Vec<Edge> {
     for (number, face) in faces.iter().enumerate() {
         for (n, &from) in face.corners.iter().enumerate() {
             let to = face.corners[(n + 1) % face.corners.len()];
-            let (a, b) = (place(from), place(to));
+            let a = place(from);
+            let b = place(to);
             if a == b {
                 continue;
             }

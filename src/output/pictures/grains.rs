@@ -37,14 +37,17 @@ impl Grains {
         let Some(table) = frame.table("grains") else { return none };
         let (Some(positions), Some(radii)) = (table.floats("position"), table.floats("radius")) else { return none };
         let bytes = |name: &str| table.numbers(name).unwrap_or_else(|| vec![0.0; table.rows]);
-        let (kinds, species, shades) = (bytes("kind"), bytes("species"), shades(header, frame, style));
+        let kinds = bytes("kind");
+        let species = bytes("species");
+        let shades = shades(header, frame, style);
         let map = legend::map(header, style);
         let cut = style.depth_of_cut(header).unwrap_or(f64::NEG_INFINITY);
         let mut all = Vec::with_capacity(table.rows);
         for (row, &radius) in radii.iter().enumerate() {
             let Some(position) = point(positions, header.dimension, row) else { break };
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes as floats")]
-            let (kind, species) = (kinds[row] as u8, species[row] as u8);
+            let kind = kinds[row] as u8;
+            let species = species[row] as u8;
             let colour = match (kind, shades.get(row)) {
                 (2, _) => colour::DOOR,
                 (1, _) => colour::WALL,

@@ -32,7 +32,8 @@ pub(super) fn seen(discs: &[(Vector, f64, Rgb)], (low, high): (Vector, Vector), 
 /// Covers the pixels whose middles lie in a disc. Returns whether one of them was not covered, or there is no such pixel.
 fn cover(is_covered: &mut [bool], columns: usize, centre: Vector, radius: f64) -> bool {
     let rows = is_covered.len() / columns;
-    let (mut has_pixels, mut is_seen) = (false, false);
+    let mut has_pixels = false;
+    let mut is_seen = false;
     for row in middles(centre.y, radius, rows) {
         #[expect(clippy::cast_precision_loss, reason = "a number of pixels")]
         let height = row as f64 + 0.5 - centre.y;

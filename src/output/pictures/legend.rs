@@ -15,7 +15,8 @@ use crate::writers::svg::Legend;
 pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<String> {
     let title = if header.title.is_empty() { &header.scene } else { &header.title };
     let [_, inside, out, lost] = frame.counts;
-    let (time, decimals) = (frame.time, style.decimals);
+    let time = frame.time;
+    let decimals = style.decimals;
     vec![title.clone(), format!("t = {time:.decimals$} s"), format!("inside {inside}, out {out}, lost {lost} grains")]
 }
 

@@ -39,7 +39,8 @@ pub(super) fn lines(walls: &[&WallGeometry], style: &Style) -> Vec<(Vector, Vect
             let [mut from, mut to] = [from, to].map(|end| style.camera.on_paper(end));
             if style.endless.contains(&wall.number) {
                 let along = (to - from).try_normalize().unwrap_or(Vector::X);
-                let (middle, reach) = (0.5 * (style.view.0 + style.view.1), style.view.0.distance(style.view.1));
+                let middle = 0.5 * (style.view.0 + style.view.1);
+                let reach = style.view.0.distance(style.view.1);
                 let foot = from + (middle - from).dot(along) * along;
                 (from, to) = (foot - reach * along, foot + reach * along);
             }

@@ -72,10 +72,13 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Content::Empty),
         entries => entries.map_err(failed)?,
     };
-    let (mut names, mut odd, mut writer) = (Vec::new(), None, None);
+    let mut names = Vec::new();
+    let mut odd = None;
+    let mut writer = None;
     for entry in entries {
         let entry = entry.map_err(failed)?;
-        let (name, kind) = (entry.file_name(), entry.file_type().map_err(failed)?);
+        let name = entry.file_name();
+        let kind = entry.file_type().map_err(failed)?;
         if is_odd(&name, kind) {
             odd = Some(name.clone());
         } else if is_directory(Path::new(&name)) && writer.is_none() {
@@ -101,7 +104,8 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
 
 /// Refuses a place that may not be used. `replace` allows that a run is replaced.
 pub(super) fn refuse_content(shown: &Path, content: &Content, replace: bool) -> Result<(), Fault> {
-    let (path, shown) = (shown, shown.display());
+    let path = shown;
+    let shown = shown.display();
     match content {
         Content::Run { is_finished, .. } if !replace => {
             let what = if *is_finished { "a finished run" } else { "a run that was killed" };

@@ -51,7 +51,8 @@ fn odd_entry(run: &Path, depth: Depth) -> io::Result<Option<(PathBuf, FileType, 
     let mut odd = Vec::new();
     for entry in fs::read_dir(run)? {
         let entry = entry?;
-        let (name, kind) = (entry.file_name(), entry.file_type()?);
+        let name = entry.file_name();
+        let kind = entry.file_type()?;
         let is_directory = is_directory(Path::new(&name));
         if is_odd(&name, kind) {
             let expected = if is_directory { "a directory" } else { "a regular file" };
@@ -59,7 +60,8 @@ fn odd_entry(run: &Path, depth: Depth) -> io::Result<Option<(PathBuf, FileType, 
         } else if is_directory && depth == Depth::Whole {
             for inner in own_files::entries(&entry.path())? {
                 let inner = inner?;
-                let (path, kind) = (Path::new(&name).join(inner.file_name()), inner.file_type()?);
+                let path = Path::new(&name).join(inner.file_name());
+                let kind = inner.file_type()?;
                 if is_own(&path) && !kind.is_file() {
                     odd.push((path, kind, "a regular file"));
                 }

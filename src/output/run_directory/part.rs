@@ -177,7 +177,8 @@ mod tests {
     #[test]
     fn what_a_killed_process_left_is_replaced_and_what_a_living_one_fills_is_not() {
         let here = tempfile::tempdir().unwrap();
-        let (target, part) = (here.path().join("csv"), here.path().join("csv.part"));
+        let target = here.path().join("csv");
+        let part = here.path().join("csv.part");
         // With a marker and without one, as earlier versions left it.
         for marker in [true, false] {
             fs::create_dir(&part).unwrap();

@@ -63,7 +63,8 @@ fn damaged(run: &Path, damage: &[Damage]) -> Fault {
 
 /// Gives what is left of a damaged file another name.
 fn set_aside(run: &Path, name: &str) -> io::Result<()> {
-    let (path, directory) = (run.join(name), Path::new(name).parent().unwrap_or(Path::new("")));
+    let path = run.join(name);
+    let directory = Path::new(name).parent().unwrap_or(Path::new(""));
     if [FRAMES, VTK].into_iter().any(|own| directory == Path::new(own)) {
         match std::fs::symlink_metadata(run.join(directory)) {
             Ok(found) if !found.is_dir() => {

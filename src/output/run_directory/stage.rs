@@ -98,7 +98,8 @@ impl Stage {
         let declared = declared(&[&self.target, &self.path]);
         for entry in fs::read_dir(&self.target)? {
             let name = entry?.file_name();
-            let (old, new) = (self.target.join(&name), self.path.join(&name));
+            let old = self.target.join(&name);
+            let new = self.path.join(&name);
             let is_file = fs::symlink_metadata(&old)?.is_file();
             if is_file && !is_own(Path::new(&name)) && !declared.contains(&name) && name != MARKER {
                 // Without hard links the file is moved after the exchange.

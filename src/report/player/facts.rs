@@ -99,7 +99,8 @@ impl Facts {
             let place = *self.place.entry(id).or_insert(next);
             if place == next {
                 let byte = |numbers: &[i64]| u8::try_from(numbers[row]).unwrap_or(u8::MAX);
-                let (kind, species) = (byte(&grains.kinds), byte(&grains.species));
+                let kind = byte(&grains.kinds);
+                let species = byte(&grains.species);
                 self.particles.push(Particle { id, kind, species, radius, first: frame.time });
             }
             self.changes_radius |= self.particles[place].radius.to_bits() != radius.to_bits();

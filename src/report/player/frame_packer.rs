@@ -37,7 +37,8 @@ impl<'a> FramePacker<'a> {
     pub fn new(header: &'a Header, plan: &'a Plan) -> (Self, Vec<u8>) {
         let particles = plan.facts.particles.len();
         let levels = vec![vec![0; particles]; plan.changing().count()];
-        let (mut walls, mut bytes) = (WallShapes::default(), Vec::new());
+        let mut walls = WallShapes::default();
+        let mut bytes = Vec::new();
         walls.pack(&mut bytes, &header.walls, &header.walls, &plan.grid, true);
         (Self { header, plan, walls, places: vec![[0; 3]; particles], levels, rows: vec![None; particles] }, bytes)
     }

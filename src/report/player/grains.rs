@@ -47,7 +47,8 @@ impl<'a> Grains<'a> {
             return Err(damaged("the ids of a frame are not in ascending order"));
         }
         let none = || vec![0; ids.len()];
-        let (kinds, species) = (whole("kind").unwrap_or_else(none), whole("species").unwrap_or_else(none));
+        let kinds = whole("kind").unwrap_or_else(none);
+        let species = whole("species").unwrap_or_else(none);
         Ok(Some(Self { ids, kinds, species, radii, positions, dimension, table }))
     }
 

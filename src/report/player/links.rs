@@ -91,7 +91,9 @@ fn contacts<'a, T>(
 }
 
 fn add<T>(bytes: &mut Vec<u8>, contacts: &[(u32, T, u8)], put_partner: impl Fn(&mut Vec<u8>, u32, &T)) {
-    let (mut rows, mut partners, mut before) = (Vec::new(), Vec::new(), 0);
+    let mut rows = Vec::new();
+    let mut partners = Vec::new();
+    let mut before = 0;
     for (first, partner, _) in contacts {
         put(&mut rows, first - before);
         put_partner(&mut partners, *first, partner);

@@ -71,7 +71,8 @@ fn files(directory: &Path) -> io::Result<Option<(Vec<PathBuf>, u64)>> {
     if !own_files::is_directory(directory) {
         return Ok(None);
     }
-    let (mut files, mut content) = (Vec::new(), 0_u64);
+    let mut files = Vec::new();
+    let mut content = 0_u64;
     for entry in own_files::entries(directory)? {
         let entry = entry?;
         let path = entry.path();
@@ -90,7 +91,8 @@ fn files(directory: &Path) -> io::Result<Option<(Vec<PathBuf>, u64)>> {
 
 fn pack_files(files: &[PathBuf], thinning: Thinning) -> io::Result<(Vec<u8>, Vec<f64>, Vec<u32>)> {
     let mut encoder = ZlibEncoder::new(Vec::new(), compression());
-    let (mut steps, mut lengths) = (Vec::new(), Vec::new());
+    let mut steps = Vec::new();
+    let mut lengths = Vec::new();
     for (_, path) in files.iter().enumerate().filter(|(number, _)| thinning.takes(*number)) {
         let text = files::read_own_text(path, LARGEST)?;
         let step = step_of(&text);

@@ -180,7 +180,8 @@ fn grains_are_within_the_resolution() {
     for (number, (found, expected)) in run.frames.iter().zip(&frames).enumerate() {
         assert_eq!((found.time, found.counts[0], found.counts[2]), (expected.time, number as f64 + 3.0, 1.0));
         let grains = expected.table("grains").unwrap();
-        let (ids, positions) = (grains.whole("id").unwrap(), grains.floats("position").unwrap());
+        let ids = grains.whole("id").unwrap();
+        let positions = grains.floats("position").unwrap();
         let shown: Vec<usize> = (0..ids.len()).filter(|row| positions[3 * row] < 1e3).collect();
         assert_eq!((found.left_out == 1, shown.len()), (number == 3, found.particles.len()));
         for (row, &from) in shown.iter().enumerate() {
@@ -282,7 +283,8 @@ fn runs_without_frames_or_grains_are_packed() {
 #[test]
 fn damaged_files_are_errors() {
     let changed = |change: &dyn Fn(&mut Header, &mut Vec<Frame>)| {
-        let (mut header, mut frames) = (header(), (0..3).map(frame).collect());
+        let mut header = header();
+        let mut frames = (0..3).map(frame).collect();
         change(&mut header, &mut frames);
         packed(&header, &frames, usize::MAX)
     };

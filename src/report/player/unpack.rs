@@ -46,7 +46,8 @@ impl<'a> Bytes<'a> {
     }
 
     fn number(&mut self) -> u32 {
-        let (mut number, mut shift) = (0, 0);
+        let mut number = 0;
+        let mut shift = 0;
         loop {
             let byte = self.take(1)[0];
             number |= u32::from(byte & 127) << shift;
@@ -101,18 +102,21 @@ struct Unpacker {
 
 pub fn unpack(text: &str) -> Unpacked {
     let (first, second) = parts(text);
-    let (mut facts, mut all) = (Bytes(&first), Bytes(&second));
+    let mut facts = Bytes(&first);
+    let mut all = Bytes(&second);
     let length = u32::from_le_bytes(facts.take(4).try_into().unwrap()) as usize;
     let description: Value = serde_json::from_slice(facts.take(length)).unwrap();
     let whole = |name: &str| usize::try_from(description[name].as_u64().unwrap()).unwrap();
-    let (count, frames) = (whole("particles"), whole("frames"));
+    let count = whole("particles");
+    let frames = whole("frames");
     let times = facts.column(frames, f64::from_le_bytes);
     let counts = facts.column(4 * frames, f64::from_le_bytes);
     let lengths = facts.column(frames, u32::from_le_bytes);
     let ids = facts.column(count, i32::from_le_bytes);
     let radii = facts.column(count, f32::from_le_bytes);
     let first = facts.column(count, f32::from_le_bytes);
-    let (kinds, _species) = (facts.take(count).to_vec(), facts.take(count));
+    let kinds = facts.take(count).to_vec();
+    let _species = facts.take(count);
     let quantities = description["quantities"].as_array().unwrap();
     let is_kept = |quantity: &&Value| quantity["is_kept"].as_bool().unwrap();
     let kept: Vec<&[u8]> = quantities.iter().filter(is_kept).map(|_| facts.take(count)).collect();
@@ -156,11 +160,13 @@ pub fn unpack(text: &str) -> Unpacked {
 
 impl Unpacker {
     fn frame(&mut self, bytes: &mut Bytes) -> UnpackedFrame {
-        let (rows, runs) = (bytes.count(), bytes.count());
+        let rows = bytes.count();
+        let runs = bytes.count();
         let mut particles = Vec::new();
         let mut next = 0;
         for _ in 0..runs {
-            let (skipped, taken) = (bytes.count(), bytes.count());
+            let skipped = bytes.count();
+            let taken = bytes.count();
             particles.extend(next + skipped..next + skipped + taken);
             next += skipped + taken;
         }
@@ -220,7 +226,8 @@ impl Unpacker {
         let mut walls = self.start.clone();
         walls.resize(self.last.len(), usize::MAX);
         for _ in 0..bytes.count() {
-            let (wall, kind) = (bytes.count(), bytes.count());
+            let wall = bytes.count();
+            let kind = bytes.count();
             if kind == 0 {
                 walls[wall] = bytes.count();
                 continue;

@@ -74,7 +74,8 @@ impl Motion<'_> {
             self.is_stable_centred(springs, drags, dt)
         };
         // Every motion is stable at first, and unstable where a spring alone changes the velocity by four times itself.
-        let (mut low, mut high) = (0.0, 0.05 / fastest);
+        let mut low = 0.0;
+        let mut high = 0.05 / fastest;
         while is_stable(high) {
             (low, high) = (high, 1.05 * high);
         }
@@ -128,7 +129,8 @@ mod tests {
             let Self { n, zeta, m, kt, ct, exact } = self;
             let beta = (1.0 - zeta * dt) / (1.0 + zeta * dt);
             let [mut x, mut s, mut v, mut a, mut predicted] = [1.0f64, -0.7, 0.4, 0.1, 0.2];
-            let (mut log, steps) = (0.0, 40_000);
+            let mut log = 0.0;
+            let steps = 40_000;
             for _ in 0..steps {
                 let now = v + 0.5 * dt * beta * a;
                 x += dt * v;

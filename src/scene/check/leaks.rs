@@ -115,7 +115,8 @@ struct Field {
 
 impl Field {
     fn new(low: Vector, high: Vector, spacing: f64) -> Self {
-        let (low, high) = (grid(low, spacing), grid(high, spacing));
+        let low = grid(low, spacing);
+        let high = grid(high, spacing);
         let side = |from: i64, to: i64| usize::try_from(to - from + 1).unwrap_or(0);
         let marks = vec![0; side(low.0, high.0) * side(low.1, high.1)];
         Self { spacing, low, high, marks }
@@ -141,7 +142,8 @@ impl Field {
     /// Blocks the points nearer than `reach` to a body between `from` and `to`.
     fn block(&mut self, from: Vector, to: Vector, reach: f64, distance: impl Fn(Vector) -> f64) {
         let margin = Vector::splat(reach + self.spacing);
-        let (low, high) = (grid(from.min(to) - margin, self.spacing), grid(from.max(to) + margin, self.spacing));
+        let low = grid(from.min(to) - margin, self.spacing);
+        let high = grid(from.max(to) + margin, self.spacing);
         for i in low.0..=high.0 {
             for j in low.1..=high.1 {
                 if distance(place((i, j), self.spacing)) < reach

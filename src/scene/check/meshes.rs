@@ -25,7 +25,8 @@ pub(super) fn examine(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warni
 /// Meshes narrower than a grain, or very much wider.
 fn size(loaded: &Loaded, number: usize, wall: &Wall, warnings: &mut Vec<Warning>) {
     let Some(((_, largest), [low, high])) = loaded.grain_radii().zip(wall.bounds()) else { return };
-    let (width, diameter) = ((high - low).max_element(), 2.0 * largest);
+    let width = (high - low).max_element();
+    let diameter = 2.0 * largest;
     if width < diameter || width > VERY_WIDE * diameter {
         warnings.push(Warning {
             code: "check::mesh_size",

@@ -56,7 +56,8 @@ fn feeds(loaded: &Loaded, dt: f64, warnings: &mut Vec<Warning>) {
 /// A spawner whose grains do not clear its place between two releases.
 fn spawner(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     if let Some(spawner) = &loaded.scene.spawner {
-        let (t, g) = (spawner.interval.get(), loaded.scene.gravity.padded());
+        let t = spawner.interval.get();
+        let g = loaded.scene.gravity.padded();
         let way = (spawner.velocity.padded() * t + 0.5 * t * t * g).length();
         let (_, largest) = spawner.radius.range();
         if way < 2.0 * largest && spawner.count > 1 {

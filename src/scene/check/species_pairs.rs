@@ -101,7 +101,8 @@ impl SpeciesPair {
     fn motions(&self) -> [Pull; 4] {
         let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling, self.rolling];
         std::array::from_fn(|way| {
-            let ([k, c], weight) = (self.modes[way], mobilities[way]);
+            let [k, c] = self.modes[way];
+            let weight = mobilities[way];
             Pull { weight, k, c, mobility: weight / self.bounce.reduced_mass, gathers: way > 0 }
         })
     }
@@ -150,7 +151,8 @@ impl SpeciesPair {
     /// Largest stable step of a grain surrounded by contacts of this kind, s. `relaxation` is the shortest of all pairs of the scene.
     #[must_use]
     pub fn bed_limit(&self, scheme: Integrator, space: Dimension, relaxation: f64) -> f64 {
-        let ([normal, tangential, rolling, twisting], weights) = (self.motions(), self.bed_weights(space));
+        let [normal, tangential, rolling, twisting] = self.motions();
+        let weights = self.bed_weights(space);
         let [straight, turning] = self.damping_rates();
         let limit = |pulls: &[(f64, Pull)], rate: f64| {
             let pulls: Vec<_> = pulls.iter().map(|&(weight, pull)| Pull { weight, ..pull }).collect();
@@ -199,7 +201,8 @@ impl SpeciesPair {
 
 /// Returns the speed (m/s) of an impact that is `overlap` (m) deep, by bisection. `deepest` grows with the speed.
 fn speed_to_reach(overlap: f64, deepest: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
+    let mut low = 0.0;
+    let mut high = 1.0;
     while deepest(high) < overlap && high < 1e12 {
         high *= 2.0;
     }
@@ -338,7 +341,8 @@ mod tests {
     }
 
     fn grain(id: u32, species: u8, radius: f64, mass: f64) -> GrainRow {
-        let (position, id) = (Solid::X * f64::from(id), GrainId::grain(id).unwrap());
+        let position = Solid::X * f64::from(id);
+        let id = GrainId::grain(id).unwrap();
         GrainRow { id, radius, mass, position, velocity: Solid::ZERO, spin: Solid::ZERO, species: Species(species) }
     }
 

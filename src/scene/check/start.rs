@@ -165,7 +165,10 @@ fn touching<'a>(
 }
 
 fn pairs(bodies: &[Body], budget: &Budget, warnings: &mut Vec<Warning>) {
-    let (mut deep, mut deepest, mut within, mut doubled) = (0, (0.0, String::new()), None, (0, String::new()));
+    let mut deep = 0;
+    let mut deepest = (0.0, String::new());
+    let mut within = None;
+    let mut doubled = (0, String::new());
     let are_all = touching(bodies, "overlaps at the start", budget, |a, b, distance| {
         let smaller = a.radius.min(b.radius);
         let share = (a.radius + b.radius - distance) / smaller;

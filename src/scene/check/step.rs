@@ -16,7 +16,8 @@ use crate::integrate::Integrator;
 /// (kg).
 #[must_use]
 pub fn limit(scheme: Integrator, k: f64, c: f64, mass: f64) -> f64 {
-    let (w0, beta) = ((k / mass).sqrt(), 0.5 * c / mass);
+    let w0 = (k / mass).sqrt();
+    let beta = 0.5 * c / mass;
     match scheme {
         // This form also holds without a spring or without drag.
         Integrator::Verlet | Integrator::SymplecticEuler => 2.0 / (w0.hypot(beta) + beta),

@@ -45,7 +45,8 @@ impl Loaded {
 }
 
 fn resolve_all<V: Space>(loaded: &Loaded, rows: Vec<Remembered>) -> (Vec<Remembered>, Vec<(usize, Stray)>) {
-    let (mut found, mut strays) = (Vec::with_capacity(rows.len()), Vec::new());
+    let mut found = Vec::with_capacity(rows.len());
+    let mut strays = Vec::new();
     if !rows.is_empty() {
         let partners = Partners::<V>::of(loaded);
         for (number, row) in (1..).zip(rows) {
@@ -153,7 +154,8 @@ impl<'a, V: Space> Partners<'a, V> {
     }
 
     fn wall(&self, grain: &GrainRow, row: Remembered) -> Result<Remembered, String> {
-        let (x, count) = (self.place(grain), self.surfaces.all.len());
+        let x = self.place(grain);
+        let count = self.surfaces.all.len();
         let numbered = row.number.checked_sub(1).map_or(usize::MAX, |number| number as usize);
         let reach = grain.radius * (1.0 + APART) + self.range;
         let touches = |index: usize| self.surfaces.all[index].surface.distance(x) < reach;
@@ -202,7 +204,8 @@ impl<'a, V: Space> Partners<'a, V> {
         // A point at a periodic side may be that of an image of the wall.
         let off = |index: usize| self.separation(surface(index).surface.nearest_point(x), at).length() / grain.radius;
         let candidates = touching.iter().filter_map(|&index| {
-            let (off, other_name) = (off(index), !is_named(index));
+            let off = off(index);
+            let other_name = !is_named(index);
             let limit = ONE_POINT[usize::from(other_name)];
             // Distances that differ by rounding alone are equal.
             (off <= limit).then(|| ((other_name, (off / ONE_POINT[1]).floor(), index != numbered, index), index))

@@ -66,7 +66,8 @@ impl Loaded {
     ) -> Result<Vec<SurfaceWall<V>>, String> {
         let axes: Vec<_> = self.scene.periodic.axes().into_iter().take(V::COMPONENTS).enumerate().collect();
         let sides: Vec<_> = axes.into_iter().filter_map(|(axis, side)| Some((axis, side?))).collect();
-        let (way, mut images) = (self.way(wall), Vec::new());
+        let way = self.way(wall);
+        let mut images = Vec::new();
         if sides.is_empty() || largest <= 0.0 {
             return Ok(images);
         }
@@ -129,7 +130,8 @@ impl Loaded {
 /// `high`, m. The body as it is, number 0, is always among them. Far too many are cut off.
 fn boxes([first, last]: [f64; 2], (low, high): (f64, f64), reach: f64) -> Vec<f64> {
     let length = high - low;
-    let (from, to) = (((low - reach - last) / length).ceil(), ((high + reach - first) / length).floor());
+    let from = ((low - reach - last) / length).ceil();
+    let to = ((high + reach - first) / length).floor();
     let mut boxes: Vec<_> = std::iter::successors(Some(from), |number| Some(number + 1.0))
         .take_while(|&n| n <= to)
         .take(MOST_IMAGES + 1)

@@ -40,7 +40,8 @@ impl Loaded {
     #[must_use]
     pub fn outlets(&self) -> Vec<[Solid; 2]> {
         let discs = self.silo.door.iter().map(|disc| {
-            let (centre, reach) = (disc.centre.extend(0.0), Solid::splat(disc.radius));
+            let centre = disc.centre.extend(0.0);
+            let reach = Solid::splat(disc.radius);
             [centre - reach, centre + reach]
         });
         let around = discs.reduce(|[low, high], [lower, higher]| [low.min(lower), high.max(higher)]);

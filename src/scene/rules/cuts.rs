@@ -62,7 +62,8 @@ fn broken(wall: &Wall, figure: &Figure) -> Option<(&'static str, String, &'stati
 /// Whether a point is on the axis of a cylinder, to rounding.
 fn is_on_the_axis(wall: &Wall, x: Solid) -> bool {
     let Wall::Cylinder { from, to, radius, .. } = wall else { return false };
-    let (arm, axis) = (x - from.padded(), (to.padded() - from.padded()).normalize_or_zero());
+    let arm = x - from.padded();
+    let axis = (to.padded() - from.padded()).normalize_or_zero();
     (arm - axis * arm.dot(axis)).length() <= 1e-9 * radius.get()
 }
 

@@ -30,7 +30,8 @@ pub(super) fn doors(loaded: &Loaded) -> Result<(), Fault> {
 /// The walls of a named door exist, and belong to nothing else that moves them.
 fn names(loaded: &Loaded, index: usize) -> Result<(), Fault> {
     let scene = &loaded.scene;
-    let (key, name) = (format!("doors[{index}].walls"), &scene.doors[index].walls);
+    let key = format!("doors[{index}].walls");
+    let name = &scene.doors[index].walls;
     let walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
     let (code, message, help) = if walls.clone().next().is_none() {
         ("scene::no_such_wall", format!("no wall has the name {name:?}"), "give a wall of `walls` this `name`")
@@ -49,7 +50,8 @@ fn names(loaded: &Loaded, index: usize) -> Result<(), Fault> {
 }
 
 fn door(loaded: &Loaded, number: u16, key: &str, control: &DoorControl) -> Result<(), Fault> {
-    let (how, opens) = (format!("{key}.how"), format!("{key}.opens"));
+    let how = format!("{key}.how");
+    let opens = format!("{key}.opens");
     let has_grains = number == 0 && !loaded.silo.door.is_empty();
     let has_surfaces = loaded.scene.walls.iter().any(|wall| loaded.scene.door_of(wall) == Some(number));
     let (code, key, message, help) = match (&control.opens, control.how) {

@@ -76,8 +76,8 @@ fn placement(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
 /// The grains of the start must fit into the memory that is available.
 fn memory(loaded: &Loaded, grains: usize) -> Result<(), Fault> {
     #[expect(clippy::cast_precision_loss, reason = "a number of grains and of bytes")]
-    let (needed, available) =
-        (grains as f64 * BYTES_PER_GRAIN, available_memory().map_or(f64::INFINITY, |bytes| bytes as f64));
+    let needed = grains as f64 * BYTES_PER_GRAIN;
+    let available = available_memory().map_or(f64::INFINITY, |bytes| bytes as f64);
     if needed <= available {
         return Ok(());
     }

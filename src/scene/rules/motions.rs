@@ -26,7 +26,8 @@ type Broken<'a> = (&'static str, &'a str, String, &'a str);
 
 /// The walls exist, and nothing else moves them.
 fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Broken<'static>> {
-    let (scene, name) = (&loaded.scene, &motion.walls);
+    let scene = &loaded.scene;
+    let name = &motion.walls;
     let mut walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
     if walls.clone().next().is_none() {
         let message = format!("no wall has the name {name:?}");

@@ -6,7 +6,9 @@ use crate::scene::loaded::Loaded;
 /// Checks the window and the zones.
 pub(super) fn outflow(loaded: &Loaded) -> Result<(), Fault> {
     let Some(outflow) = loaded.scene.outflow else { return Ok(()) };
-    let (from, to, until) = (outflow.from.get(), outflow.to.get(), loaded.scene.until.get());
+    let from = outflow.from.get();
+    let to = outflow.to.get();
+    let until = loaded.scene.until.get();
     if from >= to {
         let message = format!("the window is empty: it begins at {from} s and ends at {to} s");
         return Err(loaded

@@ -83,7 +83,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 
 /// Adds the rows of a kind of orifice. `None` if too few widths have a rate.
 fn exponents(silo: Silo, runs: &[Run], judgement: &mut Judgement) -> Result<Option<Laws>, Fault> {
-    let (name, power) = (silo.name(), silo.power());
+    let name = silo.name();
+    let power = silo.power();
     let clogged: Vec<_> = runs.iter().filter(|run| run.status() == "clogged").collect();
     let mut points = Vec::new();
     let widths = groups_by(runs, |run| silo.width(run));

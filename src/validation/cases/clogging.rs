@@ -128,7 +128,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 /// Adds the mean sizes with stiffer grains, each beside the one before, from the softest grains on.
 fn stiffness(softest: Option<&Avalanches>, stiff: &[Run], judgement: &mut Judgement) {
     let Some(softest) = softest else { return };
-    let (mut mean, mut error) = (softest.mean(), softest.error());
+    let mut mean = softest.mean();
+    let mut error = softest.error();
     for run in stiff {
         let times = 5.0 / run.value("parameters.soft").unwrap_or(f64::NAN);
         let it = Avalanches::of(run);

@@ -87,7 +87,8 @@ fn counts(run: &Run, material: &Material, side: f64) -> Result<Vec<(f64, f64)>, 
     let start = run.number("parameters.start").unwrap_or(f64::NAN);
     let table = run.table("fields.csv")?;
     let column = |name: &str| table.numbers(name).unwrap_or_default();
-    let (x, z) = (column("x1_m"), column("x3_m"));
+    let x = column("x1_m");
+    let z = column("x3_m");
     let times = table.needed("from_s")?.into_iter().zip(table.needed("to_s")?);
     let grams = column("density").into_iter().zip(column(material.share));
     let rows = x.into_iter().zip(z).zip(times.zip(grams)).filter(|((x, z), _)| x * side > 0.0 && z * side > 0.0);
@@ -178,7 +179,8 @@ fn rows(
     let name = material.name;
     let mut squares = [Vec::new(), Vec::new()];
     for (first, second) in codes[0].iter().zip(&codes[1]) {
-        let (time, mean) = (first.0, 0.5 * (first.1 + second.1));
+        let time = first.0;
+        let mean = 0.5 * (first.1 + second.1);
         let Some(count) = interpolated(points, time) else { continue };
         squares[0].push((count - mean).powi(2));
         squares[1].push((first.1 - second.1).powi(2));

@@ -61,7 +61,8 @@ fn path(run: &Run) -> Result<Vec<(f64, f64)>, Fault> {
     let start = run.number("parameters.start").unwrap_or(f64::NAN);
     let table = run.table("centres.csv")?;
     let species = table.texts("species").unwrap_or_default();
-    let (times, heights) = (table.needed("time_s")?, table.numbers("z_m").unwrap_or_default());
+    let times = table.needed("time_s")?;
+    let heights = table.numbers("z_m").unwrap_or_default();
     let rows = species.into_iter().zip(times.into_iter().zip(heights)).filter(|(species, _)| *species == BALL);
     Ok(rows.map(|(_, (time, z))| (1e3 * (time - start), 1e3 * z)).filter(|(time, _)| *time >= -1e-6).collect())
 }
@@ -120,10 +121,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 /// The row of the lowest height of those every millisecond.
 fn depth(sampled: &[f64]) -> Row {
     let depths = CODES.map(|code| code.1);
-    let (low, high) = (
-        depths.iter().copied().fold(f64::INFINITY, f64::min),
-        depths.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    );
+    let low = depths.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let row = Row::of_mean("lowest height of those every millisecond", "mm", Mean::of(sampled));
     let row = Row { published: Some(0.5 * (low + high)), ..row };
     if sampled.len() > 1 {

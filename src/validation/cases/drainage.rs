@@ -65,8 +65,10 @@ impl Drainage {
     fn of(run: &Run) -> Result<Self, Fault> {
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();
-        let (x, z) = (column("x1_m"), column("x3_m"));
-        let (fraction, velocity) = (column("solid_fraction"), column("v3"));
+        let x = column("x1_m");
+        let z = column("x3_m");
+        let fraction = column("solid_fraction");
+        let velocity = column("v3");
         let flux = fraction.into_iter().zip(velocity).map(|(phi, v)| if phi > 0.0 { -phi * v } else { 0.0 });
         let cells: Vec<_> =
             x.into_iter().zip(z).zip(flux).map(|((x, z), flux)| (x / DIAMETER, z / DIAMETER, flux)).collect();

@@ -77,7 +77,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     balance(moved.iter().chain(&still), &mut judgement.rows);
     let highest = moved.iter().map(|silo| silo.layers).fold(0.0, f64::max);
     let tall: Vec<_> = moved.iter().filter(|silo| silo.layers >= highest).collect();
-    let (mut panels, mut pressures) = (Vec::new(), Vec::new());
+    let mut panels = Vec::new();
+    let mut pressures = Vec::new();
     if let Some(first) = tall.first() {
         panels.push(panels::loads_over_time(first));
     }
@@ -118,7 +119,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 fn balance<'a>(silos: impl Iterator<Item = &'a Silo<'a>> + Clone, rows: &mut Vec<Row>) {
     for (number, (name, ..)) in TIMES.iter().enumerate() {
         let errors: Vec<_> = silos.clone().map(|silo| silo.loads.balance(window(silo.run, number))).collect();
-        let (mut worst, mut share) = (0.0f64, 0.0f64);
+        let mut worst = 0.0f64;
+        let mut share = 0.0f64;
         for (error, bound) in &errors {
             worst = if error.is_nan() { f64::NAN } else { worst.max(error.abs()) };
             share = if error.is_nan() { f64::NAN } else { share.max((error / bound).abs()) };

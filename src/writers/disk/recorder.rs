@@ -194,7 +194,8 @@ impl Disk {
 
     fn add(&mut self, path: &Path, node: Node) -> usize {
         self.nodes.push(node);
-        let (number, (directory, name)) = (self.nodes.len() - 1, self.place(path));
+        let number = self.nodes.len() - 1;
+        let (directory, name) = self.place(path);
         self.change(vec![(directory, name, Some(number))]);
         number
     }
@@ -253,16 +254,20 @@ impl Disk {
             }
             Operation::Rename(from, to) => {
                 let node = self.find(from);
-                let ((a, old), (b, new)) = (self.place(from), self.place(to));
+                let (a, old) = self.place(from);
+                let (b, new) = self.place(to);
                 self.change(vec![(a, old, None), (b, new, Some(node))]);
             }
             Operation::Exchange(a, b) => {
-                let (one, other) = (self.find(a), self.find(b));
-                let ((a, first), (b, second)) = (self.place(a), self.place(b));
+                let one = self.find(a);
+                let other = self.find(b);
+                let (a, first) = self.place(a);
+                let (b, second) = self.place(b);
                 self.change(vec![(a, first, Some(other)), (b, second, Some(one))]);
             }
             Operation::Link(from, to) => {
-                let (node, (directory, name)) = (self.find(from), self.place(to));
+                let node = self.find(from);
+                let (directory, name) = self.place(to);
                 self.change(vec![(directory, name, Some(node))]);
             }
             Operation::Remove(path) => {

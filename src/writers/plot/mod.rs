@@ -151,13 +151,15 @@ const SCALE: f64 = 96.0;
 pub fn sheet(panels: &[Panel], per_row: usize) -> String {
     let per_row = per_row.max(1);
     let real = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
-    let (width, height) = (SIZE.0 * real(per_row.min(panels.len())), SIZE.1 * real(panels.len().div_ceil(per_row)));
+    let width = SIZE.0 * real(per_row.min(panels.len()));
+    let height = SIZE.1 * real(panels.len().div_ceil(per_row));
     let mut svg = format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><rect class="paper" width="{width}" height="{height}" fill="#ffffff"/>
 "##
     );
     for (number, panel) in panels.iter().enumerate() {
-        let (left, down) = (SIZE.0 * real(number % per_row), SIZE.1 * real(number / per_row));
+        let left = SIZE.0 * real(number % per_row);
+        let down = SIZE.1 * real(number / per_row);
         // Writing to a string cannot fail.
         let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
         panel::draw(&mut svg, panel, left);

@@ -38,7 +38,8 @@ impl Area {
 
     /// Returns the position (px) of a point.
     pub(super) fn place(&self, x: &Axis, y: &Axis, (px, py): (f64, f64)) -> (f64, f64) {
-        let (width, height) = (self.right - self.left, self.bottom - self.top);
+        let width = self.right - self.left;
+        let height = self.bottom - self.top;
         (self.left + x.fraction(px) * width, self.bottom - y.fraction(py) * height)
     }
 }
@@ -46,7 +47,8 @@ impl Area {
 /// Returns the place of each entry in a legend above the plot, in px from its left end and in lines, and the number of lines.
 fn legend_rows(curves: &[Curve]) -> (Vec<(f64, f64)>, f64) {
     let longest = SIZE.0 - MARGIN.0 - MARGIN.2;
-    let (mut x, mut row) = (0.0, 0.0);
+    let mut x = 0.0;
+    let mut row = 0.0;
     let mut place = |curve: &Curve| {
         let letters = u16::try_from(curve.name.chars().count()).unwrap_or(u16::MAX);
         let width = 40.0 + LETTER * f64::from(letters);
@@ -65,7 +67,8 @@ fn legend_rows(curves: &[Curve]) -> (Vec<(f64, f64)>, f64) {
 pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
     let area = Area::of(panel, left);
     let Area { left: x0, right: x1, top, bottom } = area;
-    let (x, y) = (&panel.x, &panel.y);
+    let x = &panel.x;
+    let y = &panel.y;
     // Writing to a string cannot fail; the same holds below.
     let _ = write!(svg, r#"<g class="panel""#);
     if let Some(clock) = panel.clock {
@@ -79,8 +82,11 @@ pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
     svg.push_str(">\n");
     text(svg, (left + MARGIN.0, 26.0), "start", "", &panel.title);
     for cell in &panel.cells {
-        let (low, high) = (area.place(x, y, cell.low), area.place(x, y, cell.high));
-        let ([px, py], width, height) = ([low.0, high.1], high.0 - low.0, low.1 - high.1);
+        let low = area.place(x, y, cell.low);
+        let high = area.place(x, y, cell.high);
+        let [px, py] = [low.0, high.1];
+        let width = high.0 - low.0;
+        let height = low.1 - high.1;
         let [red, green, blue] = cell.colour;
         let _ = writeln!(
             svg,
@@ -103,7 +109,8 @@ pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
         );
     }
     for (number, mark) in (0u8..).zip(&panel.marks) {
-        let (px, py) = (area.place(x, y, (mark.at, y.to)).0, top + 14.0 + 15.0 * f64::from(number % 3));
+        let px = area.place(x, y, (mark.at, y.to)).0;
+        let py = top + 14.0 + 15.0 * f64::from(number % 3);
         let _ = writeln!(
             svg,
             r##"<path class="mark" d="M{px:.1} {bottom}V{top}" stroke="#777777" stroke-dasharray="4 3" fill="none"/>"##
@@ -118,7 +125,8 @@ pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
 /// Draws grid lines, ticks, frame and axis labels.
 fn grid(svg: &mut String, panel: &Panel, area: &Area) {
     let Area { left, right, top, bottom } = *area;
-    let (x, y) = (&panel.x, &panel.y);
+    let x = &panel.x;
+    let y = &panel.y;
     for &tick in &x.ticks {
         let (px, py) = area.place(x, y, (tick, y.from));
         let _ = writeln!(svg, r##"<path class="grid" d="M{px:.1} {py:.1}V{top}" stroke="#e4e4e4"/>"##);
@@ -129,20 +137,24 @@ fn grid(svg: &mut String, panel: &Panel, area: &Area) {
         let _ = writeln!(svg, r##"<path class="grid" d="M{px:.1} {py:.1}H{right}" stroke="#e4e4e4"/>"##);
         text(svg, (px - 6.0, py + 4.0), "end", "", &y.tick_label(tick));
     }
-    let (width, height) = (right - left, bottom - top);
+    let width = right - left;
+    let height = bottom - top;
     let _ = writeln!(
         svg,
         r##"<rect class="frame" x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#222222"/>"##
     );
     text(svg, (left + 0.5 * width, SIZE.1 - 14.0), "middle", "", &x.label);
-    let (px, py) = (left - MARGIN.0 + 18.0, top + 0.5 * height);
+    let px = left - MARGIN.0 + 18.0;
+    let py = top + 0.5 * height;
     text(svg, (px, py), "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), &y.label);
 }
 
 /// Draws the bar of a colour scale.
 fn colour_bar(svg: &mut String, scale: &Scale, area: &Area) {
     const STEPS: u8 = 50;
-    let (left, width, height) = (area.right + 16.0, 14.0, area.bottom - area.top);
+    let left = area.right + 16.0;
+    let width = 14.0;
+    let height = area.bottom - area.top;
     for step in 0..STEPS {
         let [red, green, blue] = (scale.map)((f64::from(step) + 0.5) / f64::from(STEPS));
         let top = area.bottom - height * f64::from(step + 1) / f64::from(STEPS);
@@ -156,13 +168,15 @@ fn colour_bar(svg: &mut String, scale: &Scale, area: &Area) {
         let py = area.bottom - height * scale.axis.fraction(tick);
         text(svg, (left + width + 4.0, py + 4.0), "start", "", &scale.axis.tick_label(tick));
     }
-    let (px, py) = (left + width + 58.0, area.top + 0.5 * height);
+    let px = left + width + 58.0;
+    let py = area.top + 0.5 * height;
     text(svg, (px, py), "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), &scale.axis.label);
 }
 
 /// Draws a curve through `points` (px). A point that is not finite interrupts the line.
 fn line(svg: &mut String, curve: &Curve, points: &[(f64, f64)]) {
-    let (colour, class) = (curve.colour, class(curve.colour));
+    let colour = curve.colour;
+    let class = class(curve.colour);
     let dashes = if curve.is_dashed { r#" stroke-dasharray="6 4""# } else { "" };
     for part in points.split(|(px, py)| !px.is_finite() || !py.is_finite()) {
         if curve.has_line && !part.is_empty() {
@@ -199,7 +213,8 @@ fn legend(svg: &mut String, panel: &Panel, area: &Area) {
             Key::LowerLeft => (area.left + 14.0, area.bottom - LINE * (count - row)),
             Key::Above => (area.left + 8.0 + right, MARGIN.1 - 4.0 + LINE * line),
         };
-        let (colour, class) = (curve.colour, class(curve.colour));
+        let colour = curve.colour;
+        let class = class(curve.colour);
         let dashes = if curve.is_dashed { r#" stroke-dasharray="6 4""# } else { "" };
         if curve.has_line {
             let _ = writeln!(

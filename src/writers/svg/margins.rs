@@ -14,7 +14,8 @@ const SCALE: f64 = 0.36;
 impl Paper<'_> {
     pub(super) fn margins(&mut self) {
         // White rectangles cover shapes that extend into the margins. Clipping them would take three times as long.
-        let (width, [top, bottom]) = (self.picture.width, self.view);
+        let width = self.picture.width;
+        let [top, bottom] = self.view;
         for (y, height) in [(0.0, top), (bottom, BOTTOM * self.text + 1.0)] {
             self.put(format_args!(r##"<rect y="{y:.2}" width="{width:.2}" height="{height:.2}" fill="#ffffff"/>"##));
         }
@@ -35,7 +36,8 @@ impl Paper<'_> {
 
     /// Draws the legend and returns its width with the space to its left, px.
     fn legend(&mut self) -> f64 {
-        let (width, text) = (self.picture.width, self.text);
+        let width = self.picture.width;
+        let text = self.text;
         match &self.picture.legend {
             Legend::None => 0.0,
             Legend::Classes(classes) => self.classes(classes),
@@ -47,7 +49,8 @@ impl Paper<'_> {
     }
 
     fn classes(&mut self, classes: &[(String, Rgb)]) -> f64 {
-        let (width, text) = (self.picture.width, self.text);
+        let width = self.picture.width;
+        let text = self.text;
         let right = width - 0.6 * text;
         let longest = classes.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "the length of a name")]
@@ -55,7 +58,9 @@ impl Paper<'_> {
         let mut y = 1.35 * text;
         for (name, colour) in classes {
             self.fitted((right - 1.2 * text, y), room, "end", name);
-            let (x, y_middle, r) = (right - 0.4 * text, y - 0.35 * text, 0.4 * text);
+            let x = right - 0.4 * text;
+            let y_middle = y - 0.35 * text;
+            let r = 0.4 * text;
             self.put(format_args!(r#"<circle cx="{x:.2}" cy="{y_middle:.2}" r="{r:.2}" fill="{}"/>"#, hex(*colour)));
             y += 1.35 * text;
         }
@@ -64,9 +69,12 @@ impl Paper<'_> {
 
     /// Draws a colour scale: title, bar, ticks with numbers.
     fn colour_scale(&mut self, (from, to): (f64, f64), title: &str, map: fn(f64) -> Rgb) {
-        let (text, all) = (self.text, self.picture.width);
+        let text = self.text;
+        let all = self.picture.width;
         let width = SCALE * all - 2.0 * text;
-        let (left, top, height) = (all - 1.6 * text - width, 1.75 * text, 0.75 * text);
+        let left = all - 1.6 * text - width;
+        let top = 1.75 * text;
+        let height = 0.75 * text;
         self.fitted((left + 0.5 * width, 1.3 * text), width + 2.0 * text, "middle", title);
         self.put(format_args!(r#"<linearGradient id="scale">"#));
         for stop in 0..=20u8 {
@@ -124,7 +132,8 @@ impl Paper<'_> {
         let limit = 0.25 * self.picture.width / self.scale;
         let power = 10f64.powf(limit.log10().floor());
         let metres = [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|&m| m <= limit).unwrap_or(power);
-        let (right, y) = (self.picture.width - text, self.view[1] + 1.95 * text);
+        let right = self.picture.width - text;
+        let y = self.view[1] + 1.95 * text;
         let left = right - metres * self.scale;
         self.stroke([Vector::new(left, y), Vector::new(right, y)], 0.12 * text, None);
         for x in [left, right] {

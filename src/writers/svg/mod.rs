@@ -185,7 +185,8 @@ impl Paper<'_> {
 
     fn begin(&mut self) {
         // The height is a number of whole pixels, so that no pixel of a PNG is partly covered.
-        let (width, height) = (self.picture.width, (self.view[1] + BOTTOM * self.text).ceil());
+        let width = self.picture.width;
+        let height = (self.view[1] + BOTTOM * self.text).ceil();
         self.put(format_args!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.2} {height:.2}">"#
         ));

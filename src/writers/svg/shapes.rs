@@ -41,7 +41,8 @@ impl Paper<'_> {
 
     /// Draws a line between two points (m), `width` px wide.
     fn line(&mut self, from: Vector, to: Vector, width: f64, colour: Rgb) {
-        let (a, b) = (self.at(from), self.at(to));
+        let a = self.at(from);
+        let b = self.at(to);
         let colour = hex(colour);
         self.put(format_args!(
             r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{colour}" stroke-width="{width:.2}"/>"#,
@@ -54,7 +55,8 @@ impl Paper<'_> {
         for (colour, cells) in &self.picture.cells {
             let mut path = String::new();
             for &(low, high) in cells {
-                let (a, b) = (self.at(low), self.at(high));
+                let a = self.at(low);
+                let b = self.at(high);
                 // Writing to a string cannot fail.
                 let _ = write!(path, "M{:.1} {:.1}H{:.1}V{:.1}H{:.1}Z", a.x, a.y, b.x, b.y, a.x);
             }
@@ -90,7 +92,8 @@ impl Paper<'_> {
     fn path_of(&self, lines: impl Iterator<Item = [Vector; 2]>) -> String {
         let mut path = String::new();
         for [from, to] in lines {
-            let (a, b) = (self.at(from), self.at(to));
+            let a = self.at(from);
+            let b = self.at(to);
             let _ = write!(path, "M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y);
         }
         path
@@ -111,7 +114,8 @@ impl Paper<'_> {
         }
         for &(centre, radius, colour) in &picture.discs {
             // The outer edge of the outline is the edge of the disc.
-            let (c, r) = (self.at(centre), (radius * self.scale - 0.5 * outline).min(FARTHEST));
+            let c = self.at(centre);
+            let r = (radius * self.scale - 0.5 * outline).min(FARTHEST);
             match picture.finish {
                 Finish::Shaded => {
                     let [r8, g8, b8] = coarse(colour);
@@ -138,7 +142,8 @@ impl Paper<'_> {
         let colours: BTreeSet<Rgb> = self.picture.discs.iter().map(|disc| coarse(disc.2)).collect();
         for colour in colours {
             let [r, g, b] = colour;
-            let (light, dark) = (hex(mix(colour, [255; 3], 0.4)), hex(mix(colour, [0; 3], 0.4)));
+            let light = hex(mix(colour, [255; 3], 0.4));
+            let dark = hex(mix(colour, [0; 3], 0.4));
             self.put(format_args!(
                 r#"<radialGradient id="s{r:02x}{g:02x}{b:02x}" cx="0.36" cy="0.32" r="0.72"><stop stop-color="{light}"/><stop offset="0.4" stop-color="{}"/><stop offset="1" stop-color="{dark}"/></radialGradient>"#,
                 hex(colour)

@@ -22,7 +22,8 @@ pub type Sample = Vec<(u32, [V; 5])>;
 /// Spins are speeds over radii. The estimate holds because a run of about one contact duration does not amplify
 /// differences. The largest difference found is a quarter of this bound.
 fn round_off_bound(steps: u64) -> [f64; 5] {
-    let (place, stiffness) = ((steps + 1) as f64 * f64::EPSILON, 1.0e5);
+    let place = (steps + 1) as f64 * f64::EPSILON;
+    let stiffness = 1.0e5;
     // Mass of the lightest grain, kg, and the extremes of the radii, m.
     let (mass, shortest, longest): (f64, f64, f64) = (0.1, 0.036, 0.044);
     let speed = place * (stiffness / mass).sqrt();

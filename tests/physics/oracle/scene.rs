@@ -149,8 +149,10 @@ impl Scene {
     /// Returns the grain that enters, if any. It leaves its place before the next one enters, and hits the bed within
     /// the run.
     pub fn entering_grain(&self) -> Option<Body> {
-        let (radius, up) = (RADII[2], self.up());
-        let (mut position, mut velocity) = (V::default(), V([40.0, 0.0, 0.0]));
+        let radius = RADII[2];
+        let up = self.up();
+        let mut position = V::default();
+        let mut velocity = V([40.0, 0.0, 0.0]);
         let surface = self.bodies.iter().map(|body| body.position.0[up] + body.radius).fold(f64::MIN, f64::max);
         (position.0[up], velocity.0[up]) = (surface + radius + 1.0e-3, -3.0);
         (self.around == Surroundings::Rain).then(|| self.grain(position, velocity, radius, 0))

@@ -105,8 +105,9 @@ impl Scene {
             .unwrap_or_else(|fault| panic!("{fault}\n{text}"));
         for (number, body) in (1..).zip(&self.bodies) {
             let Body { radius, mass, .. } = *body;
-            let (position, velocity, species) =
-                (vector(body.position), vector(body.velocity), Species(body.species as u8));
+            let position = vector(body.position);
+            let velocity = vector(body.velocity);
+            let species = Species(body.species as u8);
             if !body.is_fixed {
                 let id = GrainId::grain(number).unwrap();
                 loaded.grains.push(GrainRow { id, radius, mass, position, velocity, spin: vector(body.spin), species });

@@ -44,7 +44,8 @@ fn a_run_of_the_program_has_them_only_with_a_reader() {
     registry.register::<Check>("check");
     let hashes = [true, false].map(|reads| {
         let out = tempfile::tempdir().unwrap();
-        let (scene, run) = (crate::root().join("scenes/couette.ron"), out.path().join("run"));
+        let scene = crate::root().join("scenes/couette.ron");
+        let run = out.path().join("run");
         let behaviours = format!("behaviours={{\"check\": (reads: {reads})}}");
         let settings = ["pictures=None", "profiles=[]", "until=2e-3", "integrator=Centred", &behaviours];
         let settings = settings.iter().flat_map(|setting| ["--set".into(), setting.into()]);

@@ -174,7 +174,8 @@ pub(super) fn integrated_restitution<N: Normal>(normal: &N, bounce: &Bounce, end
         (normal.pull(&pair, 1.0) - load) / bounce.reduced_mass
     };
     let h = normal.contact_duration(bounce) / 400.0;
-    let (mut overlap, mut closing) = (0.0, bounce.speed);
+    let mut overlap = 0.0;
+    let mut closing = bounce.speed;
     // In ten durations a body that does not leave has lost its energy, or swings on.
     for _ in 0..4000 {
         let a1 = force(overlap, closing);
@@ -225,7 +226,9 @@ mod tests {
     #[test]
     fn deepest_point_has_the_energy_of_the_impact() {
         // k d^2/2 - P d = m v^2/2.
-        let (pull, k, energy) = (3.0f64, 1e4f64, 0.5 * 0.1 * 0.25);
+        let pull = 3.0f64;
+        let k = 1e4f64;
+        let energy = 0.5 * 0.1 * 0.25;
         let exact = pull / k + ((pull / k).powi(2) + 2.0 * energy / k).sqrt();
         let deepest = law(1.0, Adhesion::Force(pull.try_into().unwrap())).deepest(&BOUNCE);
         assert!((deepest / exact - 1.0).abs() < 1e-12, "{deepest} {exact}");

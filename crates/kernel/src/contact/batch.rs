@@ -84,7 +84,8 @@ impl<V: Space> Batch<V> {
     /// Adds a contact with a wall surface, with its geometry. The reach is set to the radius of i. `C` is the class of the law.
     #[inline(always)]
     pub fn push<C: LawRequirements>(&mut self, contact: Candidate, pair: &Pair<V>) {
-        let (lane, bodies) = (self.len, &mut self.bodies);
+        let lane = self.len;
+        let bodies = &mut self.bodies;
         self.pairs[lane] = contact;
         bodies.normal.set(lane, pair.normal);
         bodies.overlap[lane] = pair.overlap;
@@ -189,7 +190,8 @@ impl<V: Space> Batch<V> {
         times: MemoryTimes,
         [deepest, even]: [f64; 2],
     ) -> (u64, u64) {
-        let (mut deeper, mut near) = (0, 0);
+        let mut deeper = 0;
+        let mut near = 0;
         // So the compiler can tell whether the lead is zero: plain contacts do not pay for centred ones, and the loop of
         // centred ones has no branch on the lead.
         let lead = if CENTRED && !GATHERED { times.lead.max(f64::MIN_POSITIVE) } else { 0.0 };
@@ -377,7 +379,8 @@ mod tests {
             let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, &call(0.0));
             assert!(deeper >= u64::from(contacts));
             for (lane, number) in (0..contacts).enumerate() {
-                let (pair, mut memory) = (on_wall(number), Memory::default());
+                let pair = on_wall(number);
+                let mut memory = Memory::default();
                 let on_i = law.force(&pair, &mut memory);
                 let turning = &on_i.turning;
                 let torque = |friction: V| pair.normal.cross(friction) * -turning.arms[0];

@@ -154,8 +154,10 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
             }
             pair
         };
-        let (now, then) = (at(overlap), at(before));
-        let (spring, drag) = (self.normal.spring(&now), self.normal.drag(&now));
+        let now = at(overlap);
+        let then = at(before);
+        let spring = self.normal.spring(&now);
+        let drag = self.normal.drag(&now);
         let [mean, mean_before] = if overlap >= N::EVEN * window.half_width {
             [self.normal.even_drag(drag, &window, overlap); 2]
         } else if N::REACHES {
@@ -225,7 +227,8 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
                 let parted = drag_at(0.0) * (window.closing + gained);
                 Unloading::of([begins, parted], before / -window.closing, &window, overlap, pair.dt)
             };
-            let (averaged, mean_drags) = ([force_before, total], [mean_before, mean]);
+            let averaged = [force_before, total];
+            let mean_drags = [mean_before, mean];
             let fades = N::FADES;
             let load = NormalLoad { whole, averaged, shares, drag, mean_drags, fades, gathering, event, unloading };
             self.tangential.add_centred(pair, &load, memory, &mut force.turning);

@@ -125,7 +125,8 @@ fn restitution_without_attraction(zeta: f64) -> f64 {
 
 /// Returns the zeta that gives restitution `e` without attraction. Bisection, because e(zeta) falls monotonically.
 fn bisect(e: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
+    let mut low = 0.0;
+    let mut high = 1.0;
     while restitution_without_attraction(high) > e {
         high *= 2.0;
     }
@@ -162,11 +163,9 @@ mod tests {
     #[test]
     fn forms_without_attraction_join_at_critical_damping() {
         for rule in [Attraction::restitution, Attraction::duration] {
-            let (below, at, above) = (
-                rule(Attraction::Forbidden, 0.999),
-                rule(Attraction::Forbidden, 1.0),
-                rule(Attraction::Forbidden, 1.001),
-            );
+            let below = rule(Attraction::Forbidden, 0.999);
+            let at = rule(Attraction::Forbidden, 1.0);
+            let above = rule(Attraction::Forbidden, 1.001);
             // The function is smooth: its second difference is of order 1e-6.
             assert!((below - 2.0 * at + above).abs() < 1e-5, "{below} {at} {above}");
         }

@@ -88,7 +88,8 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
 
     /// Splits off the loads of the first `particles` particles.
     pub(crate) fn split_front(&mut self, particles: usize) -> Self {
-        let (entries, numbers) = (..particles, ..particles * self.each);
+        let entries = ..particles;
+        let numbers = ..particles * self.each;
         // Accumulators that the law does not need are empty.
         Self {
             force: self.force.split_off_mut(numbers).unwrap_or_default(),
@@ -145,7 +146,8 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     /// Initialises the sums before slot `end` that are not initialised yet.
     pub(super) fn initialise(&mut self, end: usize, gravity: V, store: &ParticleStore<V>) {
         let end = end.clamp(self.initialised_end, self.rows.end);
-        let (masses, start) = (&store.mass[self.initialised_end..end], self.initialised_end - self.rows.start);
+        let masses = &store.mass[self.initialised_end..end];
+        let start = self.initialised_end - self.rows.start;
         if self.slice.each == TOTAL_AND_DISSIPATIVE {
             self.slice.initialise::<TOTAL_AND_DISSIPATIVE>(start, masses, gravity);
         } else {
@@ -171,7 +173,8 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
         let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
         // Copied to locals so that the compiler can prove that stores do not alias them. Forces and torques have equal
         // length.
-        let (forces, mut torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
+        let forces = force.as_chunks_mut::<NUMBERS>().0;
+        let mut torques = torque.as_chunks_mut::<NUMBERS>().0;
         if C::SPIN {
             torques = &mut torques[..forces.len()];
         }
@@ -181,7 +184,8 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
             // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
-            let (force, torques_of) = (output.force::<NUMBERS>(lane), output.torques::<C, NUMBERS>(lane));
+            let torques_of = output.torques::<C, NUMBERS>(lane);
+            let force = output.force::<NUMBERS>(lane);
             add(&mut forces[first], force);
             if is_here {
                 subtract(&mut forces[second], force);
@@ -205,7 +209,8 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     /// Adds the forces of a batch to the first particles (`SIDE` 0) or the second particles (`SIDE` 1) alone.
     pub(crate) fn add_to_one<C: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
         let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
-        let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
+        let forces = force.as_chunks_mut::<NUMBERS>().0;
+        let torques = torque.as_chunks_mut::<NUMBERS>().0;
         let output = &batch.output;
         for lane in 0..batch.len.min(LANES) {
             let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
@@ -231,7 +236,9 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     /// Counts the contacts of a batch for the first particles (`FIRST`) and for the second particles (`SECOND`).
     #[inline(always)]
     pub(super) fn count<const FIRST: bool, const SECOND: bool>(&mut self, batch: &Batch<V>) {
-        let (start, counts, touching) = (self.rows.start, &mut *self.slice.contacts, batch.output.contacts());
+        let start = self.rows.start;
+        let counts = &mut *self.slice.contacts;
+        let touching = batch.output.contacts();
         let mut count = |lane: usize| {
             let touches = u16::from(touching >> lane & 1 > 0);
             let [first, second] = batch.pairs[lane].both().map(|entry| entry.wrapping_sub(start));

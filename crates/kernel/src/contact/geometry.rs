@@ -91,8 +91,10 @@ fn nearest_in_memory<V: Space>(surface: &Surface<V>, x: V) -> Nearest<V> {
 #[inline(always)]
 #[must_use]
 pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bool) -> Option<Pair<V>> {
-    let (a, b) = (&store.body[i], &store.body[j]);
-    let (separation, reach) = (store.separation(a.position, b.position), a.radius + b.radius + store.prediction.range);
+    let a = &store.body[i];
+    let b = &store.body[j];
+    let separation = store.separation(a.position, b.position);
+    let reach = a.radius + b.radius + store.prediction.range;
     let squared = separation.length_squared();
     // Written so that a NaN does not touch.
     if squared < reach * reach && !(store.is_fixed(i) && store.is_fixed(j)) {
@@ -114,7 +116,8 @@ pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, contact: Candidate,
 // Other crates compile it for their surveys. There `slots.map` would be a call, which moves each pair through memory.
 #[inline(always)]
 fn pair_at<V: Space>(store: &ParticleStore<V>, [i, j]: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
-    let (a, b) = (&store.body[i], &store.body[j]);
+    let a = &store.body[i];
+    let b = &store.body[j];
     let separation = if separation.length_squared() < COINCIDENT {
         coincident::<V>(store.id[i], store.id[j]) * PARTED
     } else {

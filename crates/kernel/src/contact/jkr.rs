@@ -108,7 +108,8 @@ impl Jkr {
     /// Returns the energy gained from touch to y, J.
     #[inline(always)]
     fn stored([y, a0]: [f64; 2], tension: f64) -> f64 {
-        let (cube, fourth) = (y * y * y, (y * y) * (y * y));
+        let cube = y * y * y;
+        let fourth = (y * y) * (y * y);
         tension * a0 * a0 * (fourth * (16.0 / 15.0 * cube * cube - 8.0 / 3.0 * cube + 1.0) + 0.6)
     }
 
@@ -117,7 +118,8 @@ impl Jkr {
         let a0 = self.touching_radius(bounce.reduced_radius);
         let energy = 0.5 * bounce.reduced_mass * bounce.speed.powi(2);
         // The energy falls from touch to the equilibrium at y^3 = 3/2 and grows from there on.
-        let (mut low, mut high) = (1.5f64.cbrt(), 2.0);
+        let mut low = 1.5f64.cbrt();
+        let mut high = 2.0;
         while Self::stored([high, a0], self.tension) < energy {
             high *= 2.0;
         }
@@ -130,7 +132,8 @@ impl Jkr {
 
     /// Returns the energy lost where a contact breaks in a step (J). `overlap` (m) is that of the step's end.
     pub(super) fn lost_at_break<V: Space>(&self, pair: &Pair<V>) -> f64 {
-        let (radius, tension) = (pair.reduced_radius(), self.tension);
+        let radius = pair.reduced_radius();
+        let tension = self.tension;
         if pair.is_predicted() {
             // The averaged force acts until the contact breaks.
             return Self::stored([Y_BREAK, self.touching_radius(radius)], tension);
@@ -329,7 +332,9 @@ mod tests {
 
     #[test]
     fn forces_energies_and_limits_are_those_of_the_theory() {
-        let (law, radius, work) = (law(), 0.005, 0.5);
+        let law = law();
+        let radius = 0.005;
+        let work = 0.5;
         let a0 = law.touching_radius(radius);
         let force = |y: f64| law.load(radius, y) - 3.0 * PI * work * radius;
         // Largest tension 3/2 pi w R, at the break 5/6, at touch 4/3.

@@ -119,7 +119,8 @@ impl<V: Space> Pass<'_, V> {
             .unzip();
         let halo = HaloImport::new(tasks, &halo);
         // The parts not yet assigned to a task.
-        let (mut rest, mut near) = (AccumulatorSlice::all(&mut loads), self.near);
+        let mut rest = AccumulatorSlice::all(&mut loads);
+        let mut near = self.near;
         let mut workers = Vec::with_capacity(tasks.len());
         for (task, (batch, next_halo, rows, spare, on_walls)) in tasks.iter().zip(places) {
             let count = task.rows.len();

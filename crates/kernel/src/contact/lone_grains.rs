@@ -14,7 +14,8 @@ use crate::store::{ParticleStore, Prediction};
 impl<V: Space> ParticleStore<V> {
     /// Stores which particles are lone, from the counts of the force pass. At the start of a run, `starts`, the past does not count.
     pub(super) fn store_lone(&mut self, starts: bool) {
-        let (lone, contacts) = (&mut self.prediction.lone, &self.loads.contacts);
+        let lone = &mut self.prediction.lone;
+        let contacts = &self.loads.contacts;
         lone.resize(contacts.len(), 0);
         let changed = &mut self.prediction.lone_changed;
         changed.clear();

@@ -151,7 +151,8 @@ impl Rolling for RollingResistance {
         memory: &mut Memory<V>,
         turning: &mut Turning<V>,
     ) {
-        let (drag, friction) = (self.damping.of(pair.reduced_mass), self.friction.get());
+        let drag = self.damping.of(pair.reduced_mass);
+        let friction = self.friction.get();
         let slider = Slider { stiffness: self.k.get(), drag, cap: friction * load.whole.abs() };
         let middle = rolling_velocity(pair);
         let mobilities = mobilities(pair);
@@ -196,7 +197,8 @@ mod tests {
         let of_i = Pair { normal: Vector::Y, spins: [3.0, -1.0], ..pair() };
         let of_j = Pair { normal: -of_i.normal, spins: [of_i.spins[1], of_i.spins[0]], ..of_i };
         let mut on = [of_i, of_j].map(|pair| {
-            let (mut memory, mut turning) = (Memory::default(), Turning::default());
+            let mut memory = Memory::default();
+            let mut turning = Turning::default();
             law.add(&pair, 100.0, &mut memory, &mut turning);
             (turning.rolling, memory.rolling)
         });

@@ -110,7 +110,10 @@ mod tests {
     fn energy_taken_is_energy_stored_and_lost() {
         // Motion back, forth and sideways in a fixed plane. The work of the spring force is summed by the trapezoidal
         // rule.
-        let (mut spring, mut taken, mut lost, dt) = (Solid::ZERO, 0.0, 0.0, 1e-3);
+        let mut spring = Solid::ZERO;
+        let mut taken = 0.0;
+        let mut lost = 0.0;
+        let dt = 1e-3;
         let mut before = Solid::ZERO;
         for step in 0..400 {
             let angle = 0.02 * f64::from(step);

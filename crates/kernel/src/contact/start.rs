@@ -44,8 +44,10 @@ pub(super) fn force_at_start<V: Space>(
         *memory = Memory::default();
     }
     if moved != 0.0 {
-        let (least, share) = (least.max(0.0), (most / moved.abs()).min(1.0));
-        let (mut drag, mut turning) = (V::ZERO, Turning { arms: force.turning.arms, ..Turning::default() });
+        let least = least.max(0.0);
+        let share = (most / moved.abs()).min(1.0);
+        let mut drag = V::ZERO;
+        let mut turning = Turning { arms: force.turning.arms, ..Turning::default() };
         for (node, weight) in NODES.into_iter().zip(WEIGHTS) {
             // Not `powi`: the compiler may evaluate it for a constant, and then rounds it in another way.
             let square = node * node;

@@ -48,7 +48,8 @@ impl Lever {
             Self::Radius => 0.0,
             Self::ContactPoint => 1.0,
         };
-        let (share, is_wall) = (to_contact * (pair.overlap * pair.inverse_reach), j == f64::INFINITY);
+        let share = to_contact * (pair.overlap * pair.inverse_reach);
+        let is_wall = j == f64::INFINITY;
         let shorter = if is_wall { to_contact * pair.overlap } else { share * j };
         [i - shorter, if is_wall { 0.0 } else { j - share * i }]
     }

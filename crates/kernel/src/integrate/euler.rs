@@ -17,9 +17,11 @@ use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
 use crate::store::{LongestMove, MirrorSet, ParticleStore};
 
 fn euler_step<V: Space, const SYMPLECTIC: bool>(clock: Res<Clock>, mut store: ResMut<ParticleStore<V>>) {
-    let (dt, mut longest) = (clock.dt, LongestMove::default());
+    let dt = clock.dt;
+    let mut longest = LongestMove::default();
     for i in 0..store.movable_end {
-        let (body, force) = (store.body[i], store.loads.force.of(i));
+        let body = store.body[i];
+        let force = store.loads.force.of(i);
         let velocity = body.velocity + force * (dt * body.inverse_mass);
         store.body[i].velocity = velocity;
         store.put(i, body.position + (if SYMPLECTIC { velocity } else { body.velocity }) * dt, &mut longest);

@@ -40,9 +40,11 @@ fn drift<V: Space>(
 ) {
     store.half_step = 0.5 * clock.dt;
     store.stale.add(MirrorSet::POSITION.or(MirrorSet::VELOCITY).and(MirrorSet::FREE));
-    let (dt, is_pending) = (clock.dt, second.is_pending);
+    let dt = clock.dt;
+    let is_pending = second.is_pending;
     // Values without size: such vectors allocate nothing.
-    let (count, unit) = (store.body.len(), |count| vec![(); count]);
+    let count = store.body.len();
+    let unit = |count| vec![(); count];
     if store.predicts() {
         let halfway = Predicted { share: store.prediction.share };
         let mut apart = std::mem::take(&mut store.prediction.middle);

@@ -56,7 +56,8 @@ pub struct Cells<V: Space> {
 impl<V: Space> Cells<V> {
     /// Makes empty cells of side `size` (m). Along a periodic axis the side grows until a whole number of cells fits.
     pub(super) fn new(size: f64, periodic: Option<Periodic<V>>) -> Self {
-        let (mut span, mut sides) = ([0; 3], V::ZERO);
+        let mut span = [0; 3];
+        let mut sides = V::ZERO;
         for (axis, span) in span.iter_mut().enumerate().take(V::COMPONENTS) {
             let length = periodic.and_then(|periodic| periodic.side(axis));
             *span = length.map_or(0, |length| low_bits(floor(length / size).clamp(1, MOST_ACROSS)));
@@ -156,7 +157,8 @@ impl<V: Space> Cells<V> {
             } else if 2 * reach + 1 >= span {
                 self.visit_row(row, 0, span - 1, &wants, &mut visit);
             } else {
-                let (from, to) = (x - reach, x + reach);
+                let from = x - reach;
+                let to = x + reach;
                 self.visit_row(row, from.max(0), to.min(span - 1), &wants, &mut visit);
                 if from < 0 {
                     self.visit_row(row, from + span, span - 1, &wants, &mut visit);
@@ -178,7 +180,8 @@ impl<V: Space> Cells<V> {
             step
         });
         let wanted = V::row(row, |axis, number| {
-            let (span, step) = (self.span[axis], steps[axis]);
+            let span = self.span[axis];
+            let step = steps[axis];
             if span == 0 {
                 return number.wrapping_add(step);
             }

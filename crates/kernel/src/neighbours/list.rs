@@ -137,7 +137,8 @@ impl PairList {
             start = end;
             [end, end_of(block)]
         }));
-        let (blocks, shares) = (self.blocks.len(), threads.min(self.blocks.len()).max(1));
+        let blocks = self.blocks.len();
+        let shares = threads.min(self.blocks.len()).max(1);
         self.tasks.resize_with(shares, Task::default);
         for (number, task) in self.tasks.iter_mut().enumerate() {
             let border = |number: usize| (number * blocks / shares * size).min(rows);

@@ -96,7 +96,8 @@ impl<V: Space> VerletList<V> {
     /// Returns whether a pair belongs on the list.
     #[inline]
     fn are_near(&self, store: &ParticleStore<V>, i: usize, j: usize) -> bool {
-        let (one, other) = (&self.anchors[i], &self.anchors[j]);
+        let one = &self.anchors[i];
+        let other = &self.anchors[j];
         let reach = store.body[i].radius + store.body[j].radius + one.allowance + other.allowance;
         store.separation(one.position, other.position).length_squared() < reach * reach
             && !(store.is_fixed(i) && store.is_fixed(j))

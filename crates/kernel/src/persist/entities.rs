@@ -61,7 +61,8 @@ impl SavedEntities {
     /// Returns the entities of a column, and the bytes of its values.
     fn in_runs<'a>(&self, column: &'a [u8]) -> Result<(Vec<Entity>, &'a [u8]), Problem> {
         let (runs, values) = postcard::take_from_bytes::<Vec<[u32; 2]>>(column).map_err(|error| error.to_string())?;
-        let (mut entities, mut end) = (Vec::new(), 0);
+        let mut entities = Vec::new();
+        let mut end = 0;
         for [first, length] in runs {
             let next = first.checked_add(length).filter(|_| first >= end).ok_or(NO_ENTITY)?;
             entities.extend(self.0.get(first as usize..next as usize).ok_or(NO_ENTITY)?);

@@ -303,7 +303,9 @@ mod tests {
 
     #[test]
     fn the_plane_is_a_slice_of_solid_space() {
-        let (a, b, spin) = (Plane::new(0.3, -1.7), Plane::new(2.1, 0.4), 0.9);
+        let a = Plane::new(0.3, -1.7);
+        let b = Plane::new(2.1, 0.4);
+        let spin = 0.9;
         assert_eq!(a.cross(b).spread(), Space::cross(a.spread(), b.spread()));
         assert_eq!(a.turned_by(spin).spread(), a.spread().turned_by(spin.spread()));
         assert_eq!(Linear::dot(a, b), Linear::dot(a.spread(), b.spread()));

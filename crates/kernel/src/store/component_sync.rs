@@ -28,7 +28,8 @@ use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
 /// Mirrored components that the systems of phase number `phase` read and may write in this step.
 fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
     let plan = &mut world.resource_mut::<Plan>().phases[phase];
-    let (needs, has_commands) = (std::mem::take(&mut plan.needs), plan.has_commands);
+    let needs = std::mem::take(&mut plan.needs);
+    let has_commands = plan.has_commands;
     let mut uses = (MirrorSet::NONE, MirrorSet::NONE);
     for need in &needs {
         if PredictableConditions::are_open(world, &need.gates) {
@@ -153,8 +154,10 @@ pub fn collect_from_world(world: &mut World) {
 /// Registers the sync between steps.
 pub(super) fn add<V: Space>(app: &mut App) {
     let world = app.world_mut();
-    let (refresh, write_back) = (world.register_system(refresh_all::<V>), world.register_system(write_all_back::<V>));
-    let (add_loads, extend) = (world.register_system(add_all_loads::<V>), world.register_system(extend_schedule::<V>));
+    let refresh = world.register_system(refresh_all::<V>);
+    let write_back = world.register_system(write_all_back::<V>);
+    let add_loads = world.register_system(add_all_loads::<V>);
+    let extend = world.register_system(extend_schedule::<V>);
     world.insert_resource(BetweenSteps { add_loads, refresh, write_back, extend, published_at: None });
     world.init_resource::<ReadsPlaces>();
     world.init_resource::<ReadsMotion>();

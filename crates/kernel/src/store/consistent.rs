@@ -32,7 +32,8 @@ fn problem<V: Space>(world: &mut World) -> Option<&'static str> {
     }
     let newcomers: HashSet<Entity> = population.touched.iter().copied().collect();
     let is_positive = |number: f64| number > 0.0 && number.is_finite();
-    let (mut ids, mut rows) = (HashSet::new(), 0_usize);
+    let mut ids = HashSet::new();
+    let mut rows = 0_usize;
     for (entity, id, (has_position, has_velocity, radius, slot), mass, inertia) in particles.iter(world) {
         let (Some(radius), Some(slot), true, true) = (radius, slot, has_position, has_velocity) else {
             return Some("a particle lacks a component");

@@ -31,7 +31,8 @@ fn engine_fault(system: &str) -> Fault {
 
 /// All sets that contain a system.
 pub(super) fn ancestors(graph: &ScheduleGraph, system: SystemKey) -> Vec<SystemSetKey> {
-    let (mut sets, mut next) = (Vec::new(), vec![NodeId::System(system)]);
+    let mut sets = Vec::new();
+    let mut next = vec![NodeId::System(system)];
     while let Some(node) = next.pop() {
         for parent in graph.hierarchy().neighbors_directed(node, Direction::Incoming) {
             if let NodeId::Set(set) = parent

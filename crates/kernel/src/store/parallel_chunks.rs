@@ -85,7 +85,8 @@ impl ChunkedPass<'_> {
         };
         let in_chunks =
             |read: &[A], written: C| -> Vec<T> { read.chunks(CHUNK).zip(written.parts(CHUNK)).map(chunk).collect() };
-        let (chunks, threads) = (read.len().div_ceil(CHUNK), self.threads.count());
+        let chunks = read.len().div_ceil(CHUNK);
+        let threads = self.threads.count();
         if threads == 1 || chunks < MIN_SHARED_CHUNKS {
             return in_chunks(read, written);
         }
@@ -119,7 +120,8 @@ mod tests {
         let column: Vec<_> = (0..count).map(|number| 1.0 / f64::from(number + 1)).collect();
         let by_chunks: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
         for threads in [1, 2, 3] {
-            let (mut written, mut also) = (vec![1.0; column.len()], vec![1.0; column.len()]);
+            let mut written = vec![1.0; column.len()];
+            let mut also = vec![1.0; column.len()];
             let sums = with_threads(threads, |chunked| {
                 chunked.in_chunks(&column, (&mut written[..], &mut also[..]), |a, (b, c), sum: &mut f64| {
                     *b += a;

@@ -139,7 +139,8 @@ impl<V: Space> ParticleStore<V> {
         particles: &Query<EntityRow<V>>,
         slots: &Query<&mut Slot>,
     ) -> (Vec<Entering<V>>, FxHashMap<usize, Properties>) {
-        let (mut entering, mut altered) = (Vec::new(), FxHashMap::default());
+        let mut entering = Vec::new();
+        let mut altered = FxHashMap::default();
         for entity in touched {
             // An entity that is already gone, or is no particle, has no row.
             let (Ok(row), Ok(slot)) = (particles.get(entity), slots.get(entity)) else { continue };
@@ -188,7 +189,8 @@ impl<V: Space> ParticleStore<V> {
     /// Moves the rows of known particles to their new slots, and adds blank rows for the others.
     fn make_room(&mut self) {
         let Self { former, tracks_energy, inertia, loads, .. } = self;
-        let (size, kept) = (former.len(), &former[..]);
+        let size = former.len();
+        let kept = &former[..];
         let blank =
             Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0, middle: V::Inside::default() };
         rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
@@ -251,7 +253,8 @@ impl<V: Space> ParticleStore<V> {
 /// Returns r_min/(r_min + r_max) over all bodies.
 pub(super) fn smallest_share<V: Space>(bodies: &[Body<V>]) -> f64 {
     let radii = || bodies.iter().map(|body| body.radius);
-    let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+    let smallest = radii().fold(f64::INFINITY, f64::min);
+    let largest = radii().fold(0.0, f64::max);
     smallest / (smallest + largest)
 }
 

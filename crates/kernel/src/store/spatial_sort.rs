@@ -44,7 +44,8 @@ impl SpatialOrder {
     /// The order for grains at `positions` (m) with this largest diameter (m).
     #[inline]
     pub fn of<V: Space>(positions: impl Iterator<Item = V>, diameter: f64) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
         for x in positions {
             for axis in 0..V::COMPONENTS {
                 low[axis] = low[axis].min(x.axis(axis));

@@ -105,7 +105,8 @@ impl Plan {
         if components.len() != searched_components {
             let foreign =
                 |(_, info): (_, &ComponentInfo)| has_hook(info.hooks()) && is_foreign(&info.name().to_string());
-            let (count, has_hooks) = (components.len(), components.iter_registered().any(foreign));
+            let count = components.len();
+            let has_hooks = components.iter_registered().any(foreign);
             let mut plan = world.resource_mut::<Self>();
             (plan.searched_components, plan.has_hooks) = (count, has_hooks);
         }
@@ -115,7 +116,8 @@ impl Plan {
     /// Whether a system will read velocities between the kick and the next drift.
     pub(super) fn motion_will_be_read(world: &mut World, observers: &mut ForeignObservers) -> bool {
         let mut plan = world.resource_mut::<Self>();
-        let (motion_readers, has_commands) = (std::mem::take(&mut plan.motion_readers), plan.has_commands);
+        let motion_readers = std::mem::take(&mut plan.motion_readers);
+        let has_commands = plan.has_commands;
         let will_be_read = PredictableConditions::any_will_open(world, &motion_readers)
             || has_commands && Self::foreign_code_may_run(world, observers);
         world.resource_mut::<Self>().motion_readers = motion_readers;

@@ -45,7 +45,8 @@ impl<V: Space> SurveyParam<'_, V> {
     /// Returns the survey.
     #[must_use]
     pub fn survey(&self) -> Survey<'_, V> {
-        let (store, walls) = (self.motion.store(), &self.walls);
+        let store = self.motion.store();
+        let walls = &self.walls;
         let near = self.near.present(store, walls, walls.last_changed());
         Survey { store, search: &self.search, walls, law: &*self.law.0, history: &self.history, near }
     }
@@ -98,7 +99,8 @@ impl<'a, V: Space> Survey<'a, V> {
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
         self.visit_pairs(&accepts, &mut visit);
-        let (store, mut memories) = (self.store, self.history.read_walls());
+        let store = self.store;
+        let mut memories = self.history.read_walls();
         let mut visit_walls = |i: usize, contacts: Vec<(usize, Pair<V>)>| {
             for (index, pair) in contacts.into_iter().filter(|(index, _)| accepts(i, Partner::Wall(*index))) {
                 let memory = memories.look_up(i, index).unwrap_or_default();
@@ -143,7 +145,8 @@ impl<'a, V: Space> Survey<'a, V> {
         accepts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
-        let (root, mut memories) = (self.law.needs_mass_root(), self.history.read_pairs());
+        let root = self.law.needs_mass_root();
+        let mut memories = self.history.read_pairs();
         let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
         for [i, j] in candidates.filter(|&[i, j]| accepts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(self.store, i, j, root) {

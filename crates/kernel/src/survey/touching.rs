@@ -167,7 +167,8 @@ impl<V: Space> Touching<'_, V> {
     }
 
     fn state_from_first(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
-        let (law, pair) = (self.survey.law, &self.pair);
+        let law = self.survey.law;
+        let pair = &self.pair;
         let force = law.force(pair, &mut memory.clone());
         let normal_force = force.smooth.dot(pair.normal);
         let friction = force.turning.friction;

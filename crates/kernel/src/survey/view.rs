@@ -77,7 +77,8 @@ impl<V: Space> Survey<'_, V> {
         // The states are large. Sorting them by a second copy would take most of the time.
         let mut states = Vec::with_capacity(self.search.list.pairs().len());
         let mut order = Vec::with_capacity(states.capacity());
-        let (mut pair_cursor, mut wall_cursor) = (self.history.read_pairs(), self.history.read_walls());
+        let mut pair_cursor = self.history.read_pairs();
+        let mut wall_cursor = self.history.read_walls();
         self.touching().for_each(|contact| {
             let memory = match contact.partner() {
                 Partner::Particle(j) => pair_cursor.look_up(contact.row(), j),

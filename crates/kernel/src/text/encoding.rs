@@ -165,7 +165,8 @@ impl<R: Read> TextReader<R> {
 
     /// Returns a message about a fault at the present place.
     fn wrong(&self, what: &str) -> String {
-        let (line, column) = (self.line + 1, self.column + 1);
+        let line = self.line + 1;
+        let column = self.column + 1;
         format!("line {line}, column {column}: {what}; save the file with the encoding UTF-8")
     }
 }

@@ -47,7 +47,8 @@ pub fn area_between<V: Space>(surface: &Surface<V>, low: f64, high: f64) -> Opti
 
 /// Returns the share of a line between two heights.
 fn share_between([from, to]: [f64; 2], low: f64, high: f64) -> f64 {
-    let (bottom, top) = (from.min(to), from.max(to));
+    let bottom = from.min(to);
+    let top = from.max(to);
     if bottom >= top {
         return if (low..high).contains(&bottom) { 1.0 } else { 0.0 };
     }
@@ -57,7 +58,8 @@ fn share_between([from, to]: [f64; 2], low: f64, high: f64) -> f64 {
 /// Returns the area of a flat polygon between two heights. A level polygon belongs to the heights from `low` to below `high`.
 fn clipped_area<V: Space>(corners: &[V], low: f64, high: f64) -> f64 {
     let heights = || corners.iter().map(|corner| corner.height());
-    let (bottom, top) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let bottom = heights().fold(f64::INFINITY, f64::min);
+    let top = heights().fold(f64::NEG_INFINITY, f64::max);
     if bottom >= top {
         return if (low..high).contains(&bottom) { area(corners) } else { 0.0 };
     }
@@ -71,13 +73,15 @@ fn revolved_area<V: Space>(wall: &Revolved<V>, low: f64, high: f64) -> f64 {
     if (upwards.abs() - 1.0).abs() < 1e-12 {
         let length = (r_1 - r_0).hypot(z_1 - z_0);
         let height = |z: f64| wall.base.height() + upwards * z;
-        let (from, to) = (height(z_0), height(z_1));
+        let from = height(z_0);
+        let to = height(z_1);
         if from.min(to) >= from.max(to) {
             let is_inside = (low..high).contains(&from);
             return if is_inside { PI * (r_0 + r_1) * length } else { 0.0 };
         }
         let share_at = |height: f64| ((height - from) / (to - from)).clamp(0.0, 1.0);
-        let (a, b) = (share_at(low), share_at(high));
+        let a = share_at(low);
+        let b = share_at(high);
         let radius = |share: f64| r_0 + share * (r_1 - r_0);
         return PI * (radius(a) + radius(b)) * length * (b - a).abs();
     }

@@ -7,7 +7,8 @@ pub(crate) fn clip<V: Space>(corners: &[V], depth: impl Fn(V) -> f64) -> Vec<V> 
     let mut kept = Vec::new();
     for (n, &here) in corners.iter().enumerate() {
         let next = corners[(n + 1) % corners.len()];
-        let (of_here, of_next) = (depth(here), depth(next));
+        let of_here = depth(here);
+        let of_next = depth(next);
         if of_here >= 0.0 {
             kept.push(here);
         }
@@ -41,13 +42,15 @@ pub fn share_edges<V: Space>(polygons: &mut [Vec<V>], tolerance: f64) {
 
 /// Returns the points that lie on a line between its ends, in their order from the first end. `points` are in the order of x.
 fn between<V: Space>(from: V, to: V, points: &[V], tolerance: f64) -> Vec<V> {
-    let (way, length) = (to - from, (to - from).length());
+    let way = to - from;
+    let length = (to - from).length();
     let place = |x: V| (x - from).dot(way) / length;
     let is_on_the_line = |x: &V| {
         let along = place(*x);
         along > tolerance && along < length - tolerance && (*x - from - way * (along / length)).length() < tolerance
     };
-    let (left, right) = (from.axis(0).min(to.axis(0)) - tolerance, from.axis(0).max(to.axis(0)) + tolerance);
+    let left = from.axis(0).min(to.axis(0)) - tolerance;
+    let right = from.axis(0).max(to.axis(0)) + tolerance;
     let beside = &points[points.partition_point(|x| x.axis(0) < left)..points.partition_point(|x| x.axis(0) <= right)];
     let mut found: Vec<V> = beside.iter().copied().filter(is_on_the_line).collect();
     found.sort_by(|a, b| place(*a).total_cmp(&place(*b)));
@@ -62,7 +65,8 @@ mod tests {
     #[test]
     fn polygons_beside_each_other_share_whole_edges() {
         let [a, b, c, d] = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)].map(|(x, y)| Solid::new(x, y, 0.0));
-        let (middle, low) = (Solid::new(1.0, 0.0, 0.0), Solid::new(0.5, -1.0, 0.0));
+        let middle = Solid::new(1.0, 0.0, 0.0);
+        let low = Solid::new(0.5, -1.0, 0.0);
         let mut polygons = [vec![a, b, c, d], vec![low, middle, a], vec![low, b, middle]];
         share_edges(&mut polygons, 1e-9);
         assert_eq!(polygons, [vec![a, middle, b, c, d], vec![low, middle, a], vec![low, b, middle]]);

@@ -279,7 +279,8 @@ impl Wall {
                 self.trimmed(Whole::Revolved(Revolved::ring(vector(centre), vector(normal), radii)), &vector)
             }
             Self::SphericalZone { centre, radius, axis, heights, .. } => {
-                let (axis, radius) = (axis.map_or_else(|| V::narrow(Solid::Z), &vector), radius.get());
+                let axis = axis.map_or_else(|| V::narrow(Solid::Z), &vector);
+                let radius = radius.get();
                 let heights = heights.map_or([-radius, radius], |(low, high)| [low.get(), high.get()]);
                 Surface::SphericalZone(SphericalZone::new(vector(centre), axis, radius, heights))
             }
@@ -352,7 +353,8 @@ impl Wall {
             _ => V::Spin::ZERO,
         };
         let surface = |(piece, shape): (u32, Surface<V>)| {
-            let (spin, still) = (spin_of(&shape), SurfaceWall::still(shape, Species(self.species())));
+            let spin = spin_of(&shape);
+            let still = SurfaceWall::still(shape, Species(self.species()));
             SurfaceWall { number, piece, reference, velocity, spin, ..still }
         };
         (0..).zip(shapes).map(surface).collect()

@@ -122,7 +122,8 @@ fn t_junctions(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<usi
 
 /// Whether a box comes near the line from `from` along `way` (its slabs, axis by axis).
 fn meets_line([low, high]: &Bounds<3>, from: Solid, way: Solid, margin: f64) -> bool {
-    let (mut enters, mut leaves) = (0.0f64, 1.0f64);
+    let mut enters = 0.0f64;
+    let mut leaves = 1.0f64;
     for axis in 0..3 {
         let [low, high] = [low[axis] - margin - from[axis], high[axis] + margin - from[axis]];
         if way[axis] == 0.0 {
@@ -202,7 +203,8 @@ impl Flat {
         }
         // The plane passes between the corners of the box.
         let [low, high] = [low, high].map(|corner| Solid::new(corner[0], corner[1], corner[2]));
-        let (middle, half) = (0.5 * (low + high) - self.corners[0], 0.5 * (high - low));
+        let middle = 0.5 * (low + high) - self.corners[0];
+        let half = 0.5 * (high - low);
         let reach = half.dot(self.normal.abs()) + ON * self.size;
         middle.dot(self.normal).abs() <= reach * (1.0 + 1e-12)
     }
@@ -255,10 +257,12 @@ fn cover_common_area(one: &[Solid; 3], other: &[Solid; 3]) -> bool {
     }
     let parts = |of: &[Solid; 3]| {
         (0..3).any(|edge| {
-            let (from, way) = (of[edge], of[(edge + 1) % 3] - of[edge]);
+            let from = of[edge];
+            let way = of[(edge + 1) % 3] - of[edge];
             let across = normal.cross(way).normalize();
             let sides = |triangle: &[Solid; 3]| triangle.map(|corner| (corner - from).dot(across));
-            let (a, b) = (sides(one), sides(other));
+            let a = sides(one);
+            let b = sides(other);
             let low = |of: [f64; 3]| of.into_iter().fold(f64::INFINITY, f64::min);
             let high = |of: [f64; 3]| of.into_iter().fold(f64::NEG_INFINITY, f64::max);
             let margin = ON * size;
@@ -330,13 +334,15 @@ mod tests {
         let mut u = random();
         // Triangles of very different sizes and shapes in few planes, and some turned by rounding.
         let mut point = |plane: f64, size: f64| {
-            let (x, y) = (u() - 0.5 + size * u(), u() - 0.5 + size * u());
+            let x = u() - 0.5 + size * u();
+            let y = u() - 0.5 + size * u();
             at(x, y) + Solid::new(0.0, 0.0, 0.1 * plane + 1e-9 * u())
         };
         let triangles: Vec<[Solid; 3]> = (0..200)
             .map(|n| {
                 let size = [1.0, 0.1, 0.003][n % 3];
-                let (plane, a) = ([0.0, 1.0, 2.0, 3.0][n % 4], 0.0);
+                let plane = [0.0, 1.0, 2.0, 3.0][n % 4];
+                let a = 0.0;
                 let corner = point(plane, 0.0);
                 [corner, corner + size * (point(plane, a) - corner), corner + size * (point(plane, a) - corner)]
             })

@@ -151,7 +151,8 @@ impl<V: Space> Surfaces<V> {
         let Self { all, movers, .. } = self;
         let mut longest = 0.0f64;
         for mover in movers {
-            let (before, now) = (mover.drive.at(self.placed_at), mover.drive.at(time));
+            let before = mover.drive.at(self.placed_at);
+            let now = mover.drive.at(time);
             let turned = (now.pose.angle - before.pose.angle).abs();
             let pivot = now.pose.point(now.pose.about);
             for (index, home) in &mover.home {

@@ -283,7 +283,8 @@ mod tests {
 
     #[test]
     fn leaving_the_box_sideways_or_downwards_is_noticed() {
-        let (outline, inside) = (corner(), Vector::new(1.0, 1.0));
+        let outline = corner();
+        let inside = Vector::new(1.0, 1.0);
         assert_eq!(outline.beyond(inside, Vector::new(1.0, 9.0)), None);
         assert_eq!(outline.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
         assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));

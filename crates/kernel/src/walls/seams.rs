@@ -107,7 +107,8 @@ impl<'a, V: Space> Seams<'a, V> {
         if other == place {
             return false;
         }
-        let (touch, by) = (&self.touches[place], &self.touches[other]);
+        let touch = &self.touches[place];
+        let by = &self.touches[other];
         if !touch.at_edge {
             return !by.at_edge && touch.is_towards(by);
         }
@@ -134,7 +135,8 @@ impl<'a, V: Space> Seams<'a, V> {
         let circle = std::iter::successors(next[end], |&at| next[at].filter(|_| at != end)).take(next.len());
         let rank = |place: usize| (self.touches[place].at_edge, self.touches[place].distance);
         let best = circle.min_by(|&a, &b| {
-            let (a_rank, b_rank) = (rank(a), rank(b));
+            let a_rank = rank(a);
+            let b_rank = rank(b);
             a_rank.0.cmp(&b_rank.0).then(a_rank.1.total_cmp(&b_rank.1)).then(a.cmp(&b))
         });
         best.unwrap_or(end)

@@ -153,7 +153,8 @@ mod tests {
             let floor = HalfPlane { point: Solid::ZERO, normal: Solid::Z };
             walls.push(SurfaceWall::still(Surface::HalfPlane(floor), Species(0)));
             let index = SurfaceIndex::new(&walls, 0.02);
-            let (x, mut found) = (Solid::new(x.0, x.1, x.2), Vec::new());
+            let x = Solid::new(x.0, x.1, x.2);
+            let mut found = Vec::new();
             index.find([x - Solid::splat(reach), x + Solid::splat(reach)], &mut found);
             prop_assert!(found.is_sorted_by(|a, b| a < b));
             for (number, wall) in (0u32..).zip(&walls) {

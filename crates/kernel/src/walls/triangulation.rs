@@ -139,7 +139,8 @@ fn crosses_itself(points: &[Solid], up: Solid) -> bool {
     let tree = BoxTree::new(&boxes);
     // The side of a line on which a point is, or 0 within rounding.
     let side = |[a, b]: [[f64; 2]; 2], x: [f64; 2]| {
-        let (way, to) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+        let way = [b[0] - a[0], b[1] - a[1]];
+        let to = [x[0] - a[0], x[1] - a[1]];
         let area = way[0] * to[1] - way[1] * to[0];
         let rounding = STRAIGHT * way[0].hypot(way[1]) * to[0].hypot(to[1]);
         if area.abs() <= rounding { 0.0 } else { area.signum() }
@@ -182,7 +183,8 @@ impl Ring {
     fn new(points: Vec<Solid>, up: Solid, straight: Straight) -> Self {
         let n = points.len();
         let neighbour = |by: usize| (0..n).map(|at| (at + by) % n.max(1)).collect();
-        let (before, after) = (neighbour(n.saturating_sub(1)), neighbour(1));
+        let before = neighbour(n.saturating_sub(1));
+        let after = neighbour(1);
         let rounding = if straight == Straight::Kept { STRAIGHT } else { 0.0 };
         Self { points, before, after, some: 0, left: n, up, rounding, straight: BTreeSet::new(), ears: BTreeSet::new() }
     }
@@ -233,7 +235,8 @@ impl Ring {
     }
 
     fn remove(&mut self, at: usize) {
-        let (before, after) = (self.before[at], self.after[at]);
+        let before = self.before[at];
+        let after = self.after[at];
         (self.after[before], self.before[after]) = (after, before);
         self.straight.remove(&at);
         self.ears.remove(&at);
@@ -314,7 +317,8 @@ mod tests {
 
     fn ring(points: &[(f64, f64)]) -> Vec<Solid> {
         // In an oblique plane.
-        let (along, across) = (Solid::new(1.0, 0.0, 0.5).normalize(), Solid::new(-0.2, 1.0, 0.4).normalize());
+        let along = Solid::new(1.0, 0.0, 0.5).normalize();
+        let across = Solid::new(-0.2, 1.0, 0.4).normalize();
         points.iter().map(|&(x, y)| Solid::new(0.1, 0.2, 0.3) + x * along + y * across).collect()
     }
 

@@ -15,7 +15,8 @@ pub(super) fn examine(
     warnings: &mut Vec<Warning>,
 ) {
     let Some(spawner) = loaded.scene.spawner.as_ref().filter(|spawner| spawner.count > 0) else { return };
-    let (point, jitter) = (spawner.point.padded(), spawner.jitter.map_or(0.0, |jitter| jitter.padded().length()));
+    let point = spawner.point.padded();
+    let jitter = spawner.jitter.map_or(0.0, |jitter| jitter.padded().length());
     let (smallest, _) = spawner.radius.range();
     let [half, thin] = distances(point);
     let walls = || bodies.iter().filter(|body| body.grain.is_none());

@@ -51,7 +51,8 @@ pub(super) fn examine<V: Space>(
         }
     }
     let Some((id, rate)) = rates.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
-    let (dt, limit) = (estimates.dt, rate.sqrt().recip());
+    let dt = estimates.dt;
+    let limit = rate.sqrt().recip();
     if dt >= limit {
         warnings.push(Warning {
             code: "check::unstable_start",

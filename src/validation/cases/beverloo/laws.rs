@@ -112,7 +112,8 @@ mod tests {
     fn the_exponent_of_a_law_is_found_within_its_error_and_another_one_is_not() {
         for power in [1.5, 2.5] {
             let laws = Laws::fit(power, points(|x| 0.58 * (x - 1.4).powf(power))).unwrap();
-            let (exponent, error) = (laws.free.values[2], laws.free.errors[2]);
+            let exponent = laws.free.values[2];
+            let error = laws.free.errors[2];
             assert!((exponent - power).abs() < 3.0 * error && error < 0.25, "{exponent} {error}");
             assert!((laws.beverloo.values[1] - 1.4).abs() < 3.0 * laws.beverloo.errors[1]);
             assert!((laws.exponent.values[1] - power).abs() < 3.0 * laws.exponent.errors[1]);

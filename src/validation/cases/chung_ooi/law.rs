@@ -52,7 +52,8 @@ const STEPS: f64 = 4000.0;
 impl Impact {
     /// Returns the motion after an impact at these velocities, m/s.
     pub fn after(&self, v_n: f64, v_t: f64) -> After {
-        let (r, nu) = (self.radius, self.poisson);
+        let r = self.radius;
+        let nu = self.poisson;
         let modulus = self.young / (1.0 - nu * nu) / 1.001;
         let shear = self.share * self.young / (2.0 * (1.0 + nu) * (2.0 - nu)) / 1.001;
         let mass = 4.0 / 3.0 * PI * self.density * r.powi(3);
@@ -61,16 +62,21 @@ impl Impact {
         let z = (5.0f64 / 6.0).sqrt() * -log / PI.hypot(log);
         let deepest = (1.25 * mass * v_n * v_n / k).powf(0.4);
         let h = 2.943_275 * deepest / v_n / STEPS;
-        let (mut overlap, mut rate, mut along, mut spin) = (0.0f64, v_n, v_t, 0.0);
+        let mut overlap = 0.0f64;
+        let mut rate = v_n;
+        let mut along = v_t;
+        let mut spin = 0.0;
         // The force of the spring, or its displacement.
-        let (mut force, mut stretch) = (0.0f64, 0.0f64);
+        let mut force = 0.0f64;
+        let mut stretch = 0.0f64;
         loop {
             overlap += 0.5 * h * rate;
             let root = overlap.max(0.0).sqrt();
             let normal = k * root.powi(3) + 2.0 * z * (1.5 * k * root * mass).sqrt() * rate;
             let k_t = 8.0 * shear * r.sqrt() * root;
             let c_t = 2.0 * z * (k_t * mass).sqrt();
-            let (slip, cap) = (along + r * spin, self.friction * normal.abs());
+            let slip = along + r * spin;
+            let cap = self.friction * normal.abs();
             let spring = if self.spring == Spring::Present {
                 stretch += slip * h;
                 -k_t * stretch

@@ -124,7 +124,8 @@ pub(super) fn constant_speed(runs: &[Run], rows: &mut Vec<Row>) -> Result<Vec<Pa
         let Curves([restitution, spin, parting]) = Curves::at_constant_speed(found, impact.radius);
         let other = by_law(impact, 88.0, at_angle);
         let Curves([other_restitution, other_spin, other_parting]) = Curves::at_constant_speed(other, impact.radius);
-        let (published, published_spin) = (RESTITUTION[number], SPIN[number]);
+        let published = RESTITUTION[number];
+        let published_spin = SPIN[number];
         let test = format!("test 4, {name}");
         let percent = deviation(&restitution, &between(&published, 9.0, 90.0), true);
         rows.push(bounded(
@@ -172,7 +173,8 @@ pub(super) fn constant_normal_velocity(runs: &[Run], rows: &mut Vec<Row>) -> Res
         let Curves([recoil, spin, _]) = Curves::at_constant_normal_velocity(found, impact.radius);
         let other = by_law(impact, 20.0, at_ratio);
         let Curves([other_recoil, other_spin, _]) = Curves::at_constant_normal_velocity(other, impact.radius);
-        let (published, published_spin) = (RECOIL[number], SPIN_RATIO[number]);
+        let published = RECOIL[number];
+        let published_spin = SPIN_RATIO[number];
         let test = format!("test 5, {name}");
         for (quantity, curve, published) in [("recoil", &recoil, &published), ("spin", &spin, &published_spin)] {
             let percent = deviation(curve, &between(published, 5.9, 20.0), true);

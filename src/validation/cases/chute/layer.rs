@@ -64,7 +64,8 @@ impl Layer {
     pub(super) fn all(run: &Run) -> Result<Vec<Self>, Fault> {
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();
-        let (from, to) = (column("from_s"), column("to_s"));
+        let from = column("from_s");
+        let to = column("to_s");
         let last = to.iter().copied().fold(0.0, f64::max);
         let first = from.iter().copied().fold(f64::INFINITY, f64::min);
         let names = ["x3_m", "solid_fraction", "v1", "contact_33", "kinetic_33", "contact_13", "kinetic_13"];

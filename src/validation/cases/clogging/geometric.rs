@@ -67,7 +67,9 @@ pub(super) fn test(excess: &[u32]) -> Test {
     let q = mean(excess) / (1.0 + mean(excess));
     let found = distance(&mut excess.to_vec());
     let stream = Stream::new(1, "geometric");
-    let (mut larger, mut sum, mut squares) = (0u32, 0.0, 0.0);
+    let mut larger = 0u32;
+    let mut sum = 0.0;
+    let mut squares = 0.0;
     let mut counter = 0;
     for _ in 0..SAMPLES {
         let mut sample = geometric(&stream, &mut counter, excess.len(), q);

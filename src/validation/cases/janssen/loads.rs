@@ -36,10 +36,12 @@ impl Loads {
     pub(super) fn of(run: &Run) -> Result<Self, Fault> {
         let forces = run.table("wall_groups.csv")?;
         let names = forces.texts("walls").unwrap_or_default();
-        let (times_of_rows, along) = (forces.needed("time_s")?, forces.needed("fz_n")?);
+        let times_of_rows = forces.needed("time_s")?;
+        let along = forces.needed("fz_n")?;
         let centres = run.table("centres.csv")?;
         let times = centres.needed("time_s")?;
-        let (mass, speed) = (centres.needed("mass_kg")?, centres.numbers("vz_m_per_s").unwrap_or_default());
+        let mass = centres.needed("mass_kg")?;
+        let speed = centres.numbers("vz_m_per_s").unwrap_or_default();
         let momentum = mass.iter().zip(speed).map(|(m, v)| if *m > 0.0 { m * v } else { 0.0 }).collect();
         let mut loads = Self {
             wall: vec![0.0; times.len()],
@@ -88,11 +90,13 @@ impl Loads {
     /// Returns walls + floor - weight - dP/dt over the weight in a window, and its bound.
     pub(super) fn balance(&self, window: Window) -> (f64, f64) {
         let rows = self.rows(window);
-        let (span, weight) = (self.span(&rows), self.weight(window));
+        let span = self.span(&rows);
+        let weight = self.weight(window);
         if rows.is_empty() {
             return (f64::NAN, f64::NAN);
         }
-        let (first, last) = (rows.start - 1, rows.end - 1);
+        let first = rows.start - 1;
+        let last = rows.end - 1;
         let borne = self.mean(&self.wall, window) + self.mean(&self.floor, window);
         let gained = (self.momentum[last] - self.momentum[first]) / span;
         ((borne - weight - gained) / weight, 0.5 * self.step / span)
@@ -105,7 +109,8 @@ mod tests {
 
     /// A body of 2 kg that is held by a force which grows over two rows of 100 steps each.
     fn held() -> Loads {
-        let (step, weight) = (1e-3, 2.0 * GRAVITY);
+        let step = 1e-3;
+        let weight = 2.0 * GRAVITY;
         let forces: Vec<_> = (0..=200).map(|n| weight * (1.0 + 1e-3 * f64::from(n))).collect();
         let mean = |from: usize, to: usize| forces[from..=to].iter().sum::<f64>() / 100.0;
         // Velocity Verlet: half of both ends.

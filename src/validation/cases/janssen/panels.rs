@@ -20,7 +20,8 @@ fn curve(name: &str, number: usize, points: Vec<(f64, f64)>, is_line: bool) -> C
 /// Shares of the weight on wall and floor over time.
 pub(super) fn loads_over_time(silo: &Silo<'_>) -> Panel {
     let settled = silo.run.number("parameters.settled").unwrap_or(0.0);
-    let (loads, times) = (&silo.loads, &silo.loads.times);
+    let loads = &silo.loads;
+    let times = &silo.loads.times;
     let weight = loads.weight(super::window(silo.run, 0));
     let share = |load: &[f64]| times.iter().copied().zip(load.iter().map(|force| force / weight)).collect();
     let curves = vec![curve("wall", 1, share(&loads.wall), true), curve("floor", 2, share(&loads.floor), true)];

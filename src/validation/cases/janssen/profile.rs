@@ -47,25 +47,31 @@ const TOP: f64 = 3.0 * 0.004;
 impl Profile {
     /// Reads the profile of the averages that begin at `from`, s. `None` if there is none.
     pub(super) fn of(run: &Run, from: f64) -> Result<Option<Self>, Fault> {
-        let (bands, fields) = (run.table("wall_bands.csv")?, run.table("fields.csv")?);
+        let bands = run.table("wall_bands.csv")?;
+        let fields = run.table("fields.csv")?;
         // The tables begin with the first sample at or after `from`, at most an interval of sampling later.
         let is_now = |times: Vec<f64>| {
             let of_window: Vec<_> = times.iter().map(|time| *time > from - 1e-6 && *time < from + 0.015).collect();
             of_window
         };
-        let (of_bands, of_fields) = (is_now(bands.needed("from_s")?), is_now(fields.needed("from_s")?));
+        let of_bands = is_now(bands.needed("from_s")?);
+        let of_fields = is_now(fields.needed("from_s")?);
         let chosen = |numbers: Vec<f64>, chosen: &[bool]| {
             let kept = numbers.into_iter().zip(chosen).filter(|(_, is_chosen)| **is_chosen);
             kept.map(|(number, _)| if number.is_finite() { number } else { 0.0 }).collect::<Vec<_>>()
         };
         let band = |name: &str| chosen(bands.numbers(name).unwrap_or_default(), &of_bands);
         let field = |name: &str| chosen(fields.numbers(name).unwrap_or_default(), &of_fields);
-        let (low, high, area) = (band("low_m"), band("high_m"), band("area_m2"));
+        let low = band("low_m");
+        let high = band("high_m");
+        let area = band("area_m2");
         let (Some((low, high)), Some(area)) = (low.first().zip(high.first()), area.first()) else { return Ok(None) };
         let height = high - low;
         let radius = area / (2.0 * PI * height);
-        let (density, coarse) = (field("density"), field("contact_33"));
-        let (pressure, friction) = (band("pressure_pa"), band("downward_traction_pa"));
+        let density = field("density");
+        let coarse = field("contact_33");
+        let pressure = band("pressure_pa");
+        let friction = band("downward_traction_pa");
         Ok(Some(Self::from_slices(&density, &coarse, &pressure, &friction, height, radius)))
     }
 
@@ -82,7 +88,8 @@ impl Profile {
         let lower = &density[..count / 3];
         #[expect(clippy::cast_precision_loss, reason = "a number of slices")]
         let unit_weight = GRAVITY * lower.iter().sum::<f64>() / lower.len() as f64;
-        let (mut above, mut borne) = (0.0, 0.0);
+        let mut above = 0.0;
+        let mut borne = 0.0;
         let mut slices = Vec::with_capacity(count);
         for i in (0..count).rev() {
             // Stresses: weight and wall friction of the slice over the section.
@@ -165,8 +172,12 @@ mod tests {
 
     /// A silo whose stress is the law of Vanel and Clement with a = 2 cm, and whose pressure is K times it, by slices of 1 mm.
     fn silo(lambda: f64, k: f64) -> Profile {
-        let (radius, height, density) = (0.025, 1e-3, 1500.0);
-        let (mut pressure, mut friction, mut coarse) = (Vec::new(), Vec::new(), Vec::new());
+        let radius = 0.025;
+        let height = 1e-3;
+        let density = 1500.0;
+        let mut pressure = Vec::new();
+        let mut friction = Vec::new();
+        let mut coarse = Vec::new();
         for i in (0..200).rev() {
             let middle = height * (f64::from(i) + 0.5);
             let vertical = density * GRAVITY * vanel_clement(middle, 0.02, lambda);

@@ -16,7 +16,8 @@ pub(super) fn wheat(depth: f64) -> (f64, f64) {
         let z_0 = 1.0 / (2.0 * k * mu);
         k * z_0 * (1.0 - (-depth / z_0).exp())
     };
-    let ((k, by), (mu, factor)) = (RATIO, FRICTION);
+    let (k, by) = RATIO;
+    let (mu, factor) = FRICTION;
     (pressure(k / by, mu * factor), pressure(k * by, mu / factor))
 }
 

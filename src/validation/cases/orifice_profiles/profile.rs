@@ -48,7 +48,10 @@ impl Profile {
         let half = 0.5 * DIAMETER * run.value("parameters.width").unwrap_or(f64::NAN);
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();
-        let (x, y, fraction, velocity) = (column("x1_m"), column("x2_m"), column("solid_fraction"), column("v2"));
+        let x = column("x1_m");
+        let y = column("x2_m");
+        let fraction = column("solid_fraction");
+        let velocity = column("v2");
         let cells: Vec<_> = (0..x.len()).map(|n| ([x[n], y[n]], fraction[n], velocity[n])).collect();
         let points = covered(&cells, half);
         let counted = run.number("discharge.rate_per_s").unwrap_or(f64::NAN);

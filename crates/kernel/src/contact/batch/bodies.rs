@@ -62,12 +62,14 @@ impl<V: Space> Bodies<V> {
         [i, j]: [&Body<V>; 2],
     ) -> Approach {
         let [one, two] = &mut self.loaded;
-        let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
+        let x = |body: &Body<V>, axis| body.position.axis(axis);
+        let v = |body: &Body<V>, axis| body.velocity.axis(axis);
         // Side by side, so that one instruction adds both.
         let [reach, mobility] = [i.radius + j.radius, i.inverse_mass + j.inverse_mass];
         if V::COMPONENTS == 2 {
             let state = |body| [x(body, 0), x(body, 1), v(body, 0), v(body, 1)];
-            let (i_state, j_state) = (state(i), state(j));
+            let i_state = state(i);
+            let j_state = state(j);
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
             if INDIVIDUAL {
@@ -80,7 +82,8 @@ impl<V: Space> Bodies<V> {
             Approach { squared: squares[0] + squares[1], reach }
         } else {
             let state = |body| [x(body, 0), x(body, 1), x(body, 2), v(body, 0)];
-            let (i_state, j_state) = (state(i), state(j));
+            let i_state = state(i);
+            let j_state = state(j);
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
             let [vy, vz] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2)];
@@ -99,9 +102,13 @@ impl<V: Space> Bodies<V> {
     /// Transposes the loaded numbers of the first `lanes` lanes.
     #[inline(always)]
     fn spread<const INDIVIDUAL: bool>(&mut self, lanes: usize) {
-        let ([one, two], [m_i, m_j]) = (&self.loaded, self.inverse_masses.each_mut());
-        let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
-        let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
+        let [one, two] = &self.loaded;
+        let [m_i, m_j] = self.inverse_masses.each_mut();
+        let [x, y, z] = self.separation.axes();
+        let [vx, vy, vz] = self.relative_velocity.axes();
+        let [r_i, r_j] = self.radii.each_mut();
+        let reach = &mut self.reach;
+        let mobility = &mut self.mobility;
         match (V::COMPONENTS, INDIVIDUAL) {
             (2, true) => {
                 spread(one, lanes, x, y, vx, vy);

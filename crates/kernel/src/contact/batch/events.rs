@@ -62,7 +62,8 @@ impl<V: Space> Batch<V> {
                     continue;
                 }
             }
-            let (mut pair, mut memory) = (self.pair::<L>(lane, times), self.memory.get::<L>(lane));
+            let mut pair = self.pair::<L>(lane, times);
+            let mut memory = self.memory.get::<L>(lane);
             let force = if step.starts {
                 force_at_start(law, &pair, &mut memory, step.store.prediction.lookahead, self.bodies.reach[lane])
             } else {

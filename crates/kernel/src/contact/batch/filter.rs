@@ -55,15 +55,20 @@ impl<V: Space> Batch<V> {
         instructions: Instructions,
     ) -> &'c [Candidate] {
         let Prediction { swept, margin, range, .. } = &store.prediction;
-        let (bodies, swept, beyond) = (&store.body[..], &swept[..], margin + range);
+        let bodies = &store.body[..];
+        let swept = &swept[..];
+        let beyond = margin + range;
         instructions.run_narrow(
             #[inline(always)]
             || {
                 // Copies: what lies behind a reference would be read anew after every store.
-                let (metric, bodies, beyond) = (metric, bodies, beyond);
+                let metric = metric;
+                let bodies = bodies;
+                let beyond = beyond;
                 // Both slices have one length, so that an index that was checked for one needs no check for the other.
                 let swept = if SWEPT { &swept[..bodies.len()] } else { &[] };
-                let (mut end, mut left) = (self.len, candidates.iter());
+                let mut end = self.len;
+                let mut left = candidates.iter();
                 while end < LANES
                     && let Some(&candidate) = left.next()
                 {
@@ -121,7 +126,9 @@ mod tests {
         }
         let candidates: Vec<_> = (1..=others.len()).map(|j| Candidate::new(0, j.try_into().unwrap())).collect();
         let all = Instructions::all().into_iter().map(|instructions| {
-            let (mut batch, mut left, mut found) = (Batch::<V>::default(), &candidates[..], Vec::new());
+            let mut batch = Batch::<V>::default();
+            let mut left = &candidates[..];
+            let mut found = Vec::new();
             while !left.is_empty() {
                 left = batch.select(&store, left, needs, instructions);
                 assert!(batch.len == LANES || left.is_empty());

@@ -148,7 +148,8 @@ mod tests {
 
     #[test]
     fn lasting_contacts_are_overwritten_in_place() {
-        let (mut block, mut spare) = (block(), HistoryBlock::default());
+        let mut block = block();
+        let mut spare = HistoryBlock::default();
         let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
         let all = contacts();
         for contacts in [&all[..3], &all[3..]] {
@@ -168,9 +169,11 @@ mod tests {
 
     #[test]
     fn block_is_rewritten_from_the_first_change_on() {
-        let (mut block, mut spare) = (block(), HistoryBlock::default());
+        let mut block = block();
+        let mut spare = HistoryBlock::default();
         let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
-        let (mut memories, mut gone) = (MemoryLanes::default(), Vec::new());
+        let mut memories = MemoryLanes::default();
+        let mut gone = Vec::new();
         assert!(cursor.recall_all(&contacts()[..1], &mut memories));
         cursor.remember_all(&contacts()[..1], &memories);
         // One contact is new, one has ended, and one request goes beyond the end: each must be recalled one by one.
@@ -193,7 +196,8 @@ mod tests {
     #[test]
     fn contacts_left_at_the_end_of_a_block_are_discarded() {
         for is_rewriting in [false, true] {
-            let (mut block, mut spare) = (block(), HistoryBlock::default());
+            let mut block = block();
+            let mut spare = HistoryBlock::default();
             let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
             let mut memories = MemoryLanes::default();
             if is_rewriting {

@@ -74,7 +74,8 @@ pub struct Remembered {
 
 impl Remembered {
     fn new<V: Space>(grain: GrainId, (with, number): (PartnerKind, u32), memory: &Memory<V>) -> Self {
-        let (spring, rolling) = (memory.spring.spread(), memory.rolling.spread());
+        let spring = memory.spring.spread();
+        let rolling = memory.rolling.spread();
         Self {
             grain: grain.number(),
             with,
@@ -128,7 +129,8 @@ impl Remembered {
 /// # Errors
 /// The reason, with the line.
 pub fn read(file: impl io::Read) -> Result<Vec<Remembered>, String> {
-    let (mut reader, mut rows) = (csv::Reader::from_reader(file), Vec::new());
+    let mut reader = csv::Reader::from_reader(file);
+    let mut rows = Vec::new();
     // Rows would be read as if there were none if the header cannot be read.
     reader.headers().map_err(|error| error.to_string())?;
     for row in reader.into_deserialize() {
@@ -192,7 +194,8 @@ impl<V: Space> History<V> {
     ) {
         let slots: HashMap<GrainId, u32> = store.id.iter().copied().zip(0..).collect();
         let slot = |id: Option<GrainId>| slots.get(&id?).copied();
-        let (mut pairs, mut walls) = (Vec::new(), Vec::new());
+        let mut pairs = Vec::new();
+        let mut walls = Vec::new();
         for row in rows {
             let Some(i) = slot(GrainId::grain(row.grain)) else { continue };
             let memory = row.memory::<V>();

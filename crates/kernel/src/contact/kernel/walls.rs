@@ -20,7 +20,8 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         let pass = self.pass;
         let count = self.near.partition_point(|contact| contact.first() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
-        let (view, walls) = (self.view, pass.walls);
+        let view = self.view;
+        let walls = pass.walls;
         let limits = (self.root, view.prediction.lookahead);
         let mut contacts = WallContacts::default();
         let has_images = pass.needs.memory.is_some() && !pass.twins.is_empty();
@@ -56,7 +57,8 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// has left thereby.
     #[cold]
     fn follow_through_sides(&self, row: &[Candidate], limits: (bool, f64), block: &mut Block<'_, V>) {
-        let (view, Pass { walls, twins, .. }) = (self.view, self.pass);
+        let view = self.view;
+        let Pass { walls, twins, .. } = self.pass;
         let touches = |wall: usize| touching_wall(view, row[0].first(), &walls[wall], limits).is_some();
         for contact in row {
             for other in twins.of_surface(contact.second()) {
@@ -86,7 +88,8 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
 
     /// Evaluates the batch, adds its forces to grains and walls, and stores memories and losses.
     fn flush_walls(&mut self, block: &mut Block<'_, V>) {
-        let (pass, view) = (self.pass, self.view);
+        let pass = self.pass;
+        let view = self.view;
         if pass.needs.memory.is_some() {
             let Block { cursor, lost, .. } = block;
             self.batch.recall(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
@@ -117,7 +120,8 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         // Neighbouring particles often touch the same wall.
         let mut sum: Option<(usize, WallLoad<V>)> = None;
         for lane in (0..batch.len).filter(|&lane| batch.output.is_contact(lane)) {
-            let ([i, wall], force) = (batch.pairs[lane].both(), batch.output.force::<NUMBERS>(lane));
+            let [i, wall] = batch.pairs[lane].both();
+            let force = batch.output.force::<NUMBERS>(lane);
             let body = &view.body[i];
             let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);
             let drag = force.get(1).copied().unwrap_or(V::ZERO);

@@ -113,13 +113,16 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     /// Loads the data that the law requires besides bodies: species and spins.
     #[inline]
     fn load_requirements(&mut self) {
-        let (needs_species, gathers) = (self.pass.needs.species, self.gathers());
+        let needs_species = self.pass.needs.species;
+        let gathers = self.gathers();
         if !(needs_species || C::SPIN || gathers) {
             return;
         }
-        let (batch, view) = (&mut *self.batch, self.view);
+        let batch = &mut *self.batch;
+        let view = self.view;
         // Copied to locals so that the compiler can prove that stores do not alias them.
-        let (rotations, species) = (&view.rotation[..], &view.species[..]);
+        let rotations = &view.rotation[..];
+        let species = &view.species[..];
         self.pass.instructions.run_narrow(
             #[inline(always)]
             || {
@@ -145,7 +148,8 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         self.load_requirements();
         let lanes = self.batch.lanes();
         if self.batch.bodies.measure(lanes, (self.pass.needs.bodies, self.root), self.pass.instructions) {
-            let (id, pairs) = (&self.view.id, &self.batch.pairs);
+            let id = &self.view.id;
+            let pairs = &self.batch.pairs;
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
             self.batch.bodies.part_coincident(self.batch.len, normal);
         }
@@ -222,7 +226,8 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         block.touching += self.batch.touching();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
-        let (sums, batch) = (&mut self.sums, &*self.batch);
+        let sums = &mut self.sums;
+        let batch = &*self.batch;
         self.pass.instructions.run_narrow(
             #[inline(always)]
             || {

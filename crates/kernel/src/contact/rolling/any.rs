@@ -146,7 +146,8 @@ impl Rolling for AnyRolling {
         let velocity = rolling_velocity(pair);
         let [before, k] = [turning.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
         let cap = self.friction * normal_force.abs();
-        let (mut rolling, mut dt) = (memory.rolling, pair.dt);
+        let mut rolling = memory.rolling;
+        let mut dt = pair.dt;
         let ahead = velocity * pair.lead;
         if pair.is_predicted() {
             dt *= mean_of(self.fades, before, k);
@@ -235,7 +236,8 @@ mod tests {
 
     fn turn(keys: RollingKeys, spin: f64, dt: f64) -> Turning {
         let law = AnyRolling::new(Some(keys), None, Some(1e4), true);
-        let (mut memory, mut turning) = (Memory::default(), Turning::default());
+        let mut memory = Memory::default();
+        let mut turning = Turning::default();
         law.add(&Pair { normal: Vector::Y, spins: [spin, 0.0], dt, ..pair() }, 100.0, &mut memory, &mut turning);
         turning
     }
@@ -268,7 +270,8 @@ mod tests {
             damping: Some(spring.damping),
             friction: spring.friction,
         };
-        let (mut memory, mut turning) = (Memory::default(), Turning::default());
+        let mut memory = Memory::default();
+        let mut turning = Turning::default();
         spring.add(
             &Pair { normal: Vector::Y, spins: [0.3, 0.0], dt: 1e-4, ..pair() },
             100.0,

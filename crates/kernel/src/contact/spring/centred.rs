@@ -102,7 +102,8 @@ impl Slider {
     #[must_use]
     pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &TangentialStep<V>, normal: V) -> SliderForce<V> {
         let TangentialStep { middle, gained, spring_shares: [counts_before, counts], .. } = *sweep;
-        let ([drag_before, drag], [cap_before, cap]) = (sweep.mean_drags, sweep.averaged_caps);
+        let [drag_before, drag] = sweep.mean_drags;
+        let [cap_before, cap] = sweep.averaged_caps;
         let pulled = sweep.pulled * counts_before;
         let (_, earlier) = cut(pulled - (middle - gained) * drag_before, cap_before);
         let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * sweep.dt * mobility);

@@ -29,7 +29,8 @@ impl Tangential for Dashpot {
     ) {
         turning.arms = self.lever.arms(pair);
         let velocity = pair.sliding_velocity(turning.arms);
-        let (drag, cap) = (self.damping.of(pair.reduced_mass, normal_drag), self.friction * normal_force.abs());
+        let drag = self.damping.of(pair.reduced_mass, normal_drag);
+        let cap = self.friction * normal_force.abs();
         let squared = velocity.length_squared() * drag * drag;
         turning.is_sliding = squared > cap * cap;
         let cut = if turning.is_sliding { cap / squared.sqrt() } else { 1.0 };

@@ -54,7 +54,8 @@ impl PairList {
 fn mark_near(pairs: &mut [Candidate], span: usize, chosen: Chosen<'_>) {
     let mut changed = chosen.changed.iter().peekable();
     while let Some(&particle) = changed.next() {
-        let (first, mut end) = (particle.saturating_sub(span), particle + 1);
+        let first = particle.saturating_sub(span);
+        let mut end = particle + 1;
         while let Some(&next) = changed.next_if(|&&next| next <= end + span) {
             end = next + 1;
         }

@@ -140,7 +140,8 @@ mod tests {
 
     fn check(store: &ParticleStore<Solid>, threads: usize) {
         let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
-        let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
+        let mut verlet = VerletList::new(SKIN);
+        let mut list = PairList::default();
         verlet.renew(store, &mut list, DT, &threads);
         let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
         let mut near: Vec<_> = pairs.filter(|pair| verlet.are_near(store, pair.first(), pair.second())).collect();

@@ -39,7 +39,8 @@ impl FoundPairs {
     /// Returns the partners of the particles of `rows`, with space reserved for `of_each` per particle.
     #[inline]
     fn of_rows(rows: Range<u32>, of_each: usize, find: impl Fn(u32, &mut Vec<u32>)) -> Self {
-        let (mut ends, mut partners) = (Vec::with_capacity(rows.len()), Vec::with_capacity(of_each * rows.len()));
+        let mut ends = Vec::with_capacity(rows.len());
+        let mut partners = Vec::with_capacity(of_each * rows.len());
         for i in rows.clone() {
             find(i, &mut partners);
             ends.push(u32::try_from(partners.len()).expect("fewer than 2^32 pairs"));

@@ -128,7 +128,8 @@ mod tests {
             turn in 0usize..20,
         ) {
             let before = store(&places, 5, vec![Slot::default(); 30]);
-            let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
+            let mut verlet = VerletList::new(SKIN);
+            let mut list = PairList::default();
             verlet.renew(&before, &mut list, 1e-3, &Threads::one());
             let stays = |former: &u32| !leaving.contains(former);
             let mut former: Vec<_> = (0u32..25).filter(stays).map(Slot::new).collect();
@@ -160,7 +161,8 @@ mod tests {
             ways in prop::collection::vec(0.0..std::f64::consts::TAU, 30),
         ) {
             let before = store(&places, 5, vec![Slot::default(); 30]);
-            let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
+            let mut verlet = VerletList::new(SKIN);
+            let mut list = PairList::default();
             verlet.renew(&before, &mut list, 1e-3, &Threads::one());
             let mut after = before;
             for (body, way) in after.body.iter_mut().zip(ways) {
@@ -185,11 +187,10 @@ mod tests {
     #[test]
     fn too_many_newcomers_need_a_search() {
         let places: Vec<_> = (0..20).map(|number| (0.1 * f64::from(number), 0.0)).collect();
-        let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
-        let (few, many) = (
-            store(&places[..MAX_UPDATES], 0, vec![Slot::default(); MAX_UPDATES]),
-            store(&places, 0, vec![Slot::default(); 20]),
-        );
+        let mut verlet = VerletList::new(SKIN);
+        let mut list = PairList::default();
+        let few = store(&places[..MAX_UPDATES], 0, vec![Slot::default(); MAX_UPDATES]);
+        let many = store(&places, 0, vec![Slot::default(); 20]);
         assert!(verlet.apply_renumbering(&few, &mut list, 1e-3) && !list.pairs().is_empty());
         assert!(!verlet.apply_renumbering(&many, &mut list, 1e-3));
         assert!(!verlet.renew_particles(&many, &mut list, &(0..17).collect::<Vec<_>>(), 1e-3));

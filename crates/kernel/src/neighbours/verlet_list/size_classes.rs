@@ -118,7 +118,8 @@ impl<'a, V: Space> SizeClasses<'a, V> {
 
 /// Returns the number of the class of a range. A range that is not a number belongs to the widest class.
 fn class_number(range: f64, widest: f64) -> u8 {
-    let (mut class, mut bound) = (0, 0.5 * widest);
+    let mut class = 0;
+    let mut bound = 0.5 * widest;
     while range <= bound && usize::from(class) + 1 < MOST_CLASSES {
         class += 1;
         bound *= 0.5;

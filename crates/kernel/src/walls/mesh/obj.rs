@@ -27,7 +27,8 @@ struct Face<'a> {
 
 /// Reads an OBJ file.
 pub(super) fn read(text: &str) -> Result<Found, String> {
-    let (mut corners, mut faces) = (Vec::new(), Vec::new());
+    let mut corners = Vec::new();
+    let mut faces = Vec::new();
     let mut lines = (1..).zip(text.lines());
     while let Some((line, first)) = lines.next() {
         let mut words: Vec<&str> = Vec::new();

@@ -106,7 +106,8 @@ impl<T: Values> Course<T> {
         match self {
             Self::Steady(rate) => (rate.padded_values() * tau, rate.padded_values()),
             Self::Oscillate { amplitude, frequency, phase } => {
-                let (amplitude, pulse) = (amplitude.padded_values(), TAU * frequency.get());
+                let amplitude = amplitude.padded_values();
+                let pulse = TAU * frequency.get();
                 let phase = phase.map_or(0.0, Finite::get);
                 let (sine, cosine) = (pulse * tau + phase).sin_cos();
                 (amplitude * (sine - phase.sin()), amplitude * (pulse * cosine))
@@ -123,7 +124,8 @@ impl<T: Values> Course<T> {
         let [one, other] = match self {
             Self::Steady(rate) => [Solid::ZERO, rate.padded_values() * tau],
             Self::Oscillate { amplitude, phase, .. } => {
-                let (amplitude, start) = (amplitude.padded_values(), phase.map_or(0.0, Finite::get).sin());
+                let amplitude = amplitude.padded_values();
+                let start = phase.map_or(0.0, Finite::get).sin();
                 [amplitude * (-1.0 - start), amplitude * (1.0 - start)]
             }
             Self::Table { curve, .. } => curve.range().map(Solid::from),
@@ -223,7 +225,8 @@ mod tests {
             "(walls: \"drum\", translate: Oscillate(amplitude: (0.1, 0.0, -0.2), frequency: 3.0, phase: 0.4),
               rotate: (about: (0.1, 0.2, 0.3), axis: (1.0, 2.0, -1.0), by: Steady(2.5)), from: 0.5, until: 2.0)",
         );
-        let (x, step) = (Solid::new(0.3, -0.7, 1.1), 1e-6);
+        let x = Solid::new(0.3, -0.7, 1.1);
+        let step = 1e-6;
         for time in [0.2, 0.6, 1.3, 1.99, 2.5] {
             let [before, here, after] = [time - step, time, time + step].map(|time| motion.at::<Solid>(time));
             let slope = (after.pose.point(x) - before.pose.point(x)) / (2.0 * step);

@@ -26,7 +26,8 @@ impl Curve {
         if !header.starts_with("time_s") {
             return Err(format!("line 1: expected a header that begins with `time_s`, found {header:?}"));
         }
-        let (mut curve, mut lines_of_rows) = (Self::default(), Vec::new());
+        let mut curve = Self::default();
+        let mut lines_of_rows = Vec::new();
         for (line, text) in lines.filter(|(_, text)| !text.is_empty() && !text.starts_with('#')) {
             let numbers: Result<Vec<f64>, _> = text.split(',').map(|cell| cell.trim().parse()).collect();
             let numbers = numbers.map_err(|error| format!("line {line}: {error}"))?;
@@ -90,7 +91,8 @@ impl Curve {
             let [from, to] = [next - 1, next].map(|row| self.values[row][axis]);
             let [start, end] = [next - 1, next].map(|row| self.rates[row][axis] * length);
             // from + c1 s + c2 s^2 + c3 s^3
-            let (c2, c3) = (3.0 * (to - from) - 2.0 * start - end, 2.0 * (from - to) + start + end);
+            let c2 = 3.0 * (to - from) - 2.0 * start - end;
+            let c3 = 2.0 * (from - to) + start + end;
             found.0[axis] = from + share * (start + share * (c2 + share * c3));
             found.1[axis] = (start + share * (2.0 * c2 + share * 3.0 * c3)) / length;
         }
@@ -125,11 +127,13 @@ fn rates(times: &[f64], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
         if row == 0 || row == last {
             return slope(row.min(last - 1), axis);
         }
-        let (before, after) = (slope(row - 1, axis), slope(row, axis));
+        let before = slope(row - 1, axis);
+        let after = slope(row, axis);
         if before * after <= 0.0 {
             return 0.0;
         }
-        let (weight_before, weight_after) = (2.0 * length(row) + length(row - 1), length(row) + 2.0 * length(row - 1));
+        let weight_before = 2.0 * length(row) + length(row - 1);
+        let weight_after = length(row) + 2.0 * length(row - 1);
         (weight_before + weight_after) / (weight_before / before + weight_after / after)
     };
     (0..=last).map(|row| [0, 1, 2].map(|axis| rate(row, axis))).collect()
@@ -155,7 +159,8 @@ mod tests {
         let curve = Curve::parse("time_s,angle_rad\n0,0\n0.1,1\n0.5,1\n0.6,0.2\n2,0\n", 1).unwrap();
         let times = (0..2000).map(|n| f64::from(n) * 1e-3);
         for time in times {
-            let (value, rate) = (curve.at(time).0[0], curve.at(time).1[0]);
+            let value = curve.at(time).0[0];
+            let rate = curve.at(time).1[0];
             assert!((-1e-15..=1.0 + 1e-15).contains(&value), "{time}: {value}");
             let step = 1e-7;
             let slope = (curve.at(time + step).0[0] - value) / step;

@@ -48,7 +48,8 @@ impl<V: Space> Shape<V> for Ball<V> {
 
     /// A path crosses the surface where it leads from outside to inside.
     fn crossing(&self, from: V, to: V) -> Option<f64> {
-        let (start, way) = (from - self.centre, to - from);
+        let start = from - self.centre;
+        let way = to - from;
         let c = start.length_squared() - self.radius * self.radius;
         let half_b = start.dot(way);
         // |start + t way|^2 = R^2, at the smaller root, if the path starts outside and approaches.

@@ -35,7 +35,8 @@ impl<V: Space> Shape<V> for Panel<V> {
     #[inline(always)]
     fn nearest(&self, x: V) -> Nearest<V> {
         let Self { corner, along, across } = *self;
-        let (a, b) = (foot_share(x - corner, along), foot_share(x - corner, across));
+        let a = foot_share(x - corner, along);
+        let b = foot_share(x - corner, across);
         Nearest::flat(x - (corner + along * a + across * b), is_end(a) || is_end(b), || self.normal())
     }
 
@@ -49,7 +50,8 @@ impl<V: Space> Shape<V> for Panel<V> {
     fn crossing(&self, from: V, to: V) -> Option<f64> {
         let [corner, along, across, from, to] = [self.corner, self.along, self.across, from, to].map(Linear::spread);
         let normal = along.cross(across);
-        let (before, after) = ((from - corner).dot(normal), (to - corner).dot(normal));
+        let before = (from - corner).dot(normal);
+        let after = (to - corner).dot(normal);
         if (before < 0.0) == (after < 0.0) {
             return None;
         }

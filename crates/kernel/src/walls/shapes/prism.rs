@@ -116,7 +116,8 @@ mod tests {
     use crate::space::Solid;
 
     fn prisms() -> [Prism<Solid>; 2] {
-        let (along, across) = (Solid::new(0.3, 0.0, 0.4), Solid::new(0.0, 0.8, 0.0));
+        let along = Solid::new(0.3, 0.0, 0.4);
+        let across = Solid::new(0.0, 0.8, 0.0);
         let centre = Solid::new(0.1, 0.2, -0.1);
         [Prism::circle(centre, Solid::new(0.2, -0.5, 0.3), 0.4), Prism::rectangle(centre, along, across)]
     }

@@ -61,7 +61,8 @@ impl<V: Space> Revolved<V> {
     /// Returns one of `around` flat pieces about the axis, by its number.
     pub(super) fn facet(&self, number: u32, around: u32) -> [V; 4] {
         let ends = |number| turned((self.base, self.axis), [self.from, self.to], (number, around));
-        let ([a, d], [b, c]) = (ends(number), ends(number + 1));
+        let [a, d] = ends(number);
+        let [b, c] = ends(number + 1);
         [a, b, c, d]
     }
 
@@ -112,7 +113,8 @@ impl<V: Space> Revolved<V> {
         let climb = along.dot(self.axis);
         let way = along - self.axis * climb;
         // |radial + t way|^2 = (width + t growth)^2
-        let (width, growth) = (self.from[0] + slope * (height - self.from[1]), slope * climb);
+        let width = self.from[0] + slope * (height - self.from[1]);
+        let growth = slope * climb;
         let a = way.length_squared() - growth * growth;
         let half_b = radial.dot(way) - width * growth;
         let c = radial.length_squared() - width * width;
@@ -159,8 +161,10 @@ impl<V: Space> Shape<V> for Revolved<V> {
     fn crossing(&self, from: V, to: V) -> Option<f64> {
         let [(r_0, z_0), (r_1, z_1)] = [self.from, self.to].map(|[r, z]| (r, z));
         if self.is_flat() {
-            let ((z, radial), (z_end, radial_end)) = (self.coordinates(from), self.coordinates(to));
-            let (before, after) = (z - z_0, z_end - z_0);
+            let (z, radial) = self.coordinates(from);
+            let (z_end, radial_end) = self.coordinates(to);
+            let before = z - z_0;
+            let after = z_end - z_0;
             if (before < 0.0) == (after < 0.0) {
                 return None;
             }
@@ -191,11 +195,13 @@ mod tests {
         let axis = Solid::new(axis.0, axis.1, axis.2).normalize();
         let [r_0, z_0, r_1, z_1] = ends;
         let surface = Revolved { base: Solid::new(0.3, -0.2, 0.1), axis, from: [r_0, z_0], to: [r_1, z_1] };
-        let (first, second) = (axis.any_orthonormal_vector(), axis.cross(axis.any_orthonormal_vector()));
+        let first = axis.any_orthonormal_vector();
+        let second = axis.cross(axis.any_orthonormal_vector());
         let mut points = Vec::new();
         for step in 0..=200 {
             let share = f64::from(step) / 200.0;
-            let (r, z) = (r_0 + share * (r_1 - r_0), z_0 + share * (z_1 - z_0));
+            let r = r_0 + share * (r_1 - r_0);
+            let z = z_0 + share * (z_1 - z_0);
             for turn in 0..200 {
                 let angle = 2.0 * PI * f64::from(turn) / 200.0;
                 points.push(surface.base + axis * z + r * (first * angle.cos() + second * angle.sin()));

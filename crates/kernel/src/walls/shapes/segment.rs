@@ -35,14 +35,17 @@ impl<V: Space> Shape<V> for Segment<V> {
         if V::DIMENSION == Dimension::Solid {
             return None;
         }
-        let (path, line, offset) = (to - from, self.to - self.from, self.from - from);
+        let path = to - from;
+        let line = self.to - self.from;
+        let offset = self.from - from;
         // In the plane a cross product has one component.
         let across = |a: V, b: V| a.cross(b).component(0);
         let cross = across(path, line);
         if cross == 0.0 {
             return None;
         }
-        let (along_path, along_line) = (across(offset, line) / cross, across(offset, path) / cross);
+        let along_path = across(offset, line) / cross;
+        let along_line = across(offset, path) / cross;
         ((0.0..=1.0).contains(&along_path) && (0.0..=1.0).contains(&along_line)).then_some(along_path)
     }
 

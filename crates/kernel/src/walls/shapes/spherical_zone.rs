@@ -79,7 +79,8 @@ impl<V: Space> Shape<V> for SphericalZone<V> {
     #[inline]
     fn nearest(&self, x: V) -> Nearest<V> {
         let from_centre = x - self.centre;
-        let (z, distance) = (from_centre.dot(self.axis), from_centre.length());
+        let z = from_centre.dot(self.axis);
+        let distance = from_centre.length();
         let outwards = if distance > 0.0 { from_centre / distance } else { self.axis.any_perpendicular() };
         let foot = if distance > 0.0 { z * (self.radius / distance) } else { 0.0 };
         if self.has_height(foot) {
@@ -115,7 +116,8 @@ impl<V: Space> Shape<V> for SphericalZone<V> {
     }
 
     fn crossing(&self, from: V, to: V) -> Option<f64> {
-        let (start, way) = (from - self.centre, to - from);
+        let start = from - self.centre;
+        let way = to - from;
         // |start + t way|^2 = R^2
         let c = start.length_squared() - self.radius * self.radius;
         let shares = path_shares(way.length_squared(), start.dot(way), c);
@@ -136,7 +138,8 @@ mod tests {
     fn zone(radius: f64, heights: [f64; 2], axis: (f64, f64, f64)) -> (SphericalZone<Solid>, Vec<Solid>) {
         let axis = Solid::new(axis.0, axis.1, axis.2).normalize();
         let zone = SphericalZone::new(Solid::new(0.3, -0.2, 0.1), axis, radius, heights.map(|height| height * radius));
-        let (first, second) = (axis.any_orthonormal_vector(), axis.cross(axis.any_orthonormal_vector()));
+        let first = axis.any_orthonormal_vector();
+        let second = axis.cross(axis.any_orthonormal_vector());
         let [low, high] = heights.map(f64::asin);
         let mut points = Vec::new();
         for step in 0..=200 {
@@ -177,7 +180,8 @@ mod tests {
         ) {
             let whole = SphericalZone::new(Solid::ZERO, Solid::Z, 1.0, [-1.0, 1.0]);
             let zone = SphericalZone::new(Solid::ZERO, Solid::Z, 1.0, [low, low + 0.1]);
-            let (from, to) = (Solid::new(from.0, from.1, from.2), Solid::new(to.0, to.1, to.2));
+            let from = Solid::new(from.0, from.1, from.2);
+            let to = Solid::new(to.0, to.1, to.2);
             let share = whole.crossing(from, to).unwrap();
             let point = from + (to - from) * share;
             prop_assert!((point.length() - 1.0).abs() < 1e-12);

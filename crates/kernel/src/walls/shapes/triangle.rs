@@ -19,7 +19,8 @@ impl<V: Space> Triangle<V> {
     #[inline]
     fn nearest_point(&self, x: V) -> (V, bool) {
         let [a, b, c] = self.0;
-        let (ab, ac) = (b - a, c - a);
+        let ab = b - a;
+        let ac = c - a;
         let [(a1, a2), (b1, b2), (c1, c2)] = self.0.map(|corner| (ab.dot(x - corner), ac.dot(x - corner)));
         if a1 <= 0.0 && a2 <= 0.0 {
             return (a, true);
@@ -30,14 +31,17 @@ impl<V: Space> Triangle<V> {
         if c2 >= 0.0 && c1 <= c2 {
             return (c, true);
         }
-        let (of_a, of_b, of_c) = (b1 * c2 - c1 * b2, c1 * a2 - a1 * c2, a1 * b2 - b1 * a2);
+        let of_a = b1 * c2 - c1 * b2;
+        let of_b = c1 * a2 - a1 * c2;
+        let of_c = a1 * b2 - b1 * a2;
         if of_c <= 0.0 && a1 >= 0.0 && b1 <= 0.0 {
             return (a + ab * (a1 / (a1 - b1)), true);
         }
         if of_b <= 0.0 && a2 >= 0.0 && c2 <= 0.0 {
             return (a + ac * (a2 / (a2 - c2)), true);
         }
-        let (towards_c, towards_b) = (b2 - b1, c1 - c2);
+        let towards_c = b2 - b1;
+        let towards_b = c1 - c2;
         if of_a <= 0.0 && towards_c >= 0.0 && towards_b >= 0.0 {
             return (b + (c - b) * (towards_c / (towards_c + towards_b)), true);
         }
@@ -103,7 +107,8 @@ mod tests {
             let mut least = f64::INFINITY;
             for i in 0..=steps {
                 for j in 0..=steps - i {
-                    let (s, t) = (f64::from(i) / f64::from(steps), f64::from(j) / f64::from(steps));
+                    let s = f64::from(i) / f64::from(steps);
+                    let t = f64::from(j) / f64::from(steps);
                     least = least.min((a + s * (b - a) + t * (c - a)).distance(x));
                 }
             }

@@ -156,7 +156,8 @@ impl<V: Space> Trimmed<V> {
 
     /// Returns the point at this share (0 to 1) of a side of the rim, and its derivative with respect to the share, m.
     fn on_rim(&self, side: u32, share: f64) -> Option<(V, V)> {
-        let ((start, slope), direction) = (self.prism.on_side(side, share), self.prism.direction);
+        let (start, slope) = self.prism.on_side(side, share);
+        let direction = self.prism.direction;
         let (point, normal) = self.whole.exit(start, direction)?;
         Some((point, slope - direction * (normal.dot(slope) / normal.dot(direction))))
     }
@@ -314,7 +315,8 @@ mod tests {
     }
 
     fn panel() -> Whole<Solid> {
-        let (along, across) = (Solid::new(1.2, 0.0, 0.9), Solid::new(0.0, 1.5, 0.0));
+        let along = Solid::new(1.2, 0.0, 0.9);
+        let across = Solid::new(0.0, 1.5, 0.0);
         Whole::Panel(Panel { corner: -0.5 * (along + across), along, across })
     }
 
@@ -350,7 +352,9 @@ mod tests {
             Whole::Revolved(wall) => {
                 let [(r_0, z_0), (r_1, z_1)] = [wall.from, wall.to].map(|[r, z]| (r, z));
                 let point = |(i, j): (u32, u32)| {
-                    let (r, z, angle) = (r_0 + part(i) * (r_1 - r_0), z_0 + part(i) * (z_1 - z_0), TAU * part(j));
+                    let r = r_0 + part(i) * (r_1 - r_0);
+                    let z = z_0 + part(i) * (z_1 - z_0);
+                    let angle = TAU * part(j);
                     wall.base + Solid::new(r * angle.cos(), r * angle.sin(), z)
                 };
                 (all.map(point).collect(), ((r_1 - r_0).hypot(z_1 - z_0) + TAU * r_0.max(r_1)) / f64::from(steps))
@@ -427,7 +431,9 @@ mod tests {
         let centre = Solid::new(0.3, -0.2, 0.0);
         let shape = Trimmed::with_hole(plate, Prism::circle(centre, Solid::Z, 0.25));
         for n in 0..50u32 {
-            let (r, angle, z) = (0.005 * f64::from(n), f64::from(n) * 0.9, 0.1 - 0.004 * f64::from(n));
+            let r = 0.005 * f64::from(n);
+            let angle = f64::from(n) * 0.9;
+            let z = 0.1 - 0.004 * f64::from(n);
             let x = centre + Solid::new(r * angle.cos(), r * angle.sin(), z);
             let expected = (0.25 - r).hypot(z);
             assert!((shape.nearest(x).distance() - expected).abs() < 1e-14, "{n}");
