@@ -9,8 +9,8 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::sites::Sites;
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
 
 const STEPS: u64 = 50;

@@ -18,13 +18,13 @@ use std::time::{Duration, Instant};
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use siloflow::dem::store::ParticleStore;
 use siloflow::grains::file;
 use siloflow::measure::totals;
 use siloflow::output::pictures::during_run::PicturesPlugin;
 use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
 use siloflow::scene::outputs::Series;
-use siloflow::store::ParticleStore;
 use siloflow::writers::rows::RowsPlace;
 use stopwatch::{PARTS, Stopwatch};
 

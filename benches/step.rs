@@ -14,11 +14,11 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use siloflow::dem::neighbours::{Neighbours, Search};
+use siloflow::dem::store::ParticleStore;
+use siloflow::dem::threads::Threads;
 use siloflow::measure::totals;
-use siloflow::neighbours::{Neighbours, Search};
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
-use siloflow::threads::Threads;
 
 use self::crystal::{Crystal, R, run_further};
 

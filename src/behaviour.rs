@@ -64,7 +64,7 @@
 //! # Both spaces
 //!
 //! Components default to the plane. A behaviour for both spaces has systems that are generic over
-//! [`Space`](crate::space::Space). It declares this in [`Behaviour::lives_in`], and looks up the space of the scene in
+//! [`Space`](siloflow_dem::space::Space). It declares this in [`Behaviour::lives_in`], and looks up the space of the scene in
 //! [`Behaviour::build`]:
 //!
 //! ```
@@ -92,7 +92,7 @@
 //!
 //! # New components
 //!
-//! A system of [`Phase::Spawn`](crate::step::Phase::Spawn) inserts new components, by `Commands`, on grains without
+//! A system of [`Phase::Spawn`](siloflow_dem::step::Phase::Spawn) inserts new components, by `Commands`, on grains without
 //! them: a query of `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get them one step
 //! later.
 //!
@@ -106,20 +106,20 @@
 //! | a behaviour that | uses |
 //! |---|---|
 //! | reads contacts | [`ContactView::iter`]: 20 to 40 ns per grain; [`ContactView::all`] for all data, in id order |
-//! | adds forces to the scene's law | [`PairForces`] in [`ForceStage::Added`](crate::step::ForceStage::Added) |
+//! | adds forces to the scene's law | [`PairForces`] in [`ForceStage::Added`](siloflow_dem::step::ForceStage::Added) |
 //! | keeps a number for each contact | [`PairMap`] |
 //! | replaces the law | [`PairLaw`] with [`ContactPlugin`]; [`Memory`] holds its memory of a contact |
 //!
 //! Systems of several behaviours that write `Force` need a declared order (`.after(...)`), because it is the order of
 //! summation.
 //!
-//! [`ContactView::iter`]: crate::survey::view::ContactView::iter
-//! [`ContactView::all`]: crate::survey::view::ContactView::all
-//! [`PairForces`]: crate::survey::pair_forces::PairForces
-//! [`PairMap`]: crate::survey::pair_map::PairMap
-//! [`PairLaw`]: crate::contact::PairLaw
-//! [`ContactPlugin`]: crate::contact::ContactPlugin
-//! [`Memory`]: crate::contact::Memory
+//! [`ContactView::iter`]: siloflow_dem::survey::view::ContactView::iter
+//! [`ContactView::all`]: siloflow_dem::survey::view::ContactView::all
+//! [`PairForces`]: siloflow_dem::survey::pair_forces::PairForces
+//! [`PairMap`]: siloflow_dem::survey::pair_map::PairMap
+//! [`PairLaw`]: siloflow_dem::contact::PairLaw
+//! [`ContactPlugin`]: siloflow_dem::contact::ContactPlugin
+//! [`Memory`]: siloflow_dem::contact::Memory
 
 use std::collections::BTreeMap;
 
@@ -127,12 +127,12 @@ use bevy_app::App;
 use ron::value::RawValue;
 use serde::de::DeserializeOwned;
 
-use crate::fault::Fault;
-use crate::lattice::load::LoadedLattice;
+use crate::lattice_silo::load::LoadedLattice;
 use crate::scene::loaded::Loaded;
-use crate::source::Source;
-use crate::source::parse;
-use crate::space::Dimension;
+use siloflow_dem::space::Dimension;
+use siloflow_text::fault::Fault;
+use siloflow_text::source::Source;
+use siloflow_text::source::parse;
 
 /// A behaviour, read from its keys in the scene.
 pub trait Behaviour: 'static {
@@ -151,14 +151,14 @@ pub trait Behaviour: 'static {
         space == Dimension::Plane
     }
 
-    /// Whether the behaviour works in a scene of the lattice gas, on [`Gas`](crate::lattice::gas::Gas) and
-    /// [`Sites`](crate::lattice::sites::Sites). A lattice gas has no grains.
+    /// Whether the behaviour works in a scene of the lattice gas, on [`Gas`](siloflow_lattice::gas::Gas) and
+    /// [`Sites`](siloflow_lattice::sites::Sites). A lattice gas has no grains.
     fn lives_on_lattice(&self) -> bool {
         false
     }
 
-    /// Whether [`Behaviour::build`] adds the contact law: a [`crate::contact::ContactPlugin`] with its own
-    /// [`crate::contact::PairLaw`].
+    /// Whether [`Behaviour::build`] adds the contact law: a [`siloflow_dem::contact::ContactPlugin`] with its own
+    /// [`siloflow_dem::contact::PairLaw`].
     ///
     /// If it does, the scene's `contact` serves only for the estimates of `check`, and decides whether a grain file may
     /// give spins. For a law that rotates grains, the scene's `contact` should therefore have `tangential` too.
@@ -166,7 +166,7 @@ pub trait Behaviour: 'static {
         false
     }
 
-    /// Adds components, resources and systems. Systems go into the schedule [`crate::step::Step`].
+    /// Adds components, resources and systems. Systems go into the schedule [`siloflow_dem::step::Step`].
     fn build(self: Box<Self>, app: &mut App);
 }
 

@@ -1,12 +1,12 @@
 //! Door controllers: decide when doors open and shut, and move them.
 //!
-//! A door consists of the wall grains and wall surfaces ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked [`Door`] with
+//! A door consists of the wall grains and wall surfaces ([`WallIndex`](siloflow_dem::walls::surfaces::WallIndex)) marked [`Door`] with
 //! its number: 0 for the key `door` (door grains of the silo file, and walls with `door: true`), then 1, 2, ... for the entries
 //! of `doors`, which name their walls. A door opens when the bed has come to rest, at a given time, by a schedule, or never.
 //!
 //! * `Remove`: it vanishes at once.
 //! * `Slide`: door grains slide along the orifice at a constant speed until the orifice is clear, and drag grains.
-//! * `Move`: wall surfaces move by a vector at a constant speed ([`moving`](crate::walls::moving)), and back when the door shuts.
+//! * `Move`: wall surfaces move by a vector at a constant speed ([`moving`](siloflow_dem::walls::moving)), and back when the door shuts.
 //!
 //! Grains that pass through the place of a shut door while it is open or moves are out ([`crate::ledger`]).
 
@@ -16,16 +16,16 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::messages::{CameToRest, DoorOpened};
-use crate::particle::{Door, Fixed, Position, Radius, Velocity};
-use crate::persist::PersistApp as _;
 use crate::rest::RestDetection;
-use crate::space::{Space, Vector};
-use crate::step::{Clock, Phase, Step};
-use crate::store::PlainCommands;
-use crate::values::{FiniteVector, NonNegative, Positive};
-use crate::walls::outline::Link;
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::messages::{CameToRest, DoorOpened};
+use siloflow_dem::particle::{Door, Fixed, Position, Radius, Velocity};
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::{Space, Vector};
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::PlainCommands;
+use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
+use siloflow_dem::walls::outline::Link;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// The scene key `door`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

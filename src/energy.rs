@@ -16,7 +16,7 @@
 //!
 //! If grains spin, [`SpinEnergyPlugin`] adds the losses of friction. The work of the tangential and rolling dashpots is
 //! integrated in the same way. Sliding and rolling beyond their caps take energy out of the springs, as
-//! [`crate::contact::spring`] describes. The division into [`Channels`] is summed contact by contact. There, the work
+//! [`siloflow_dem::contact::spring`] describes. The division into [`Channels`] is summed contact by contact. There, the work
 //! of tangential dashpots is force times sliding velocity times dt, with the velocity used for the force. It differs
 //! from the total by an error of the scheme's own order, about c v^2 dt/4 for each contact in plain velocity Verlet.
 //!
@@ -45,15 +45,15 @@ use self::energy_flows::{
 };
 use self::sampling::{Sampling, choose, note_contacts};
 use self::work::{Powers, TurningPowers, add_behaviour_work, add_contact_work, add_friction_loss, add_lifted_energy};
-use crate::integrate::wrap::Wrapped;
-use crate::persist::PersistApp as _;
-use crate::space::Space;
-use crate::step::{ForceStage, Part, Phase, Step, is_step_zero};
-use crate::store::{
+use siloflow_dem::integrate::wrap::Wrapped;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{ForceStage, Part, Phase, Step, is_step_zero};
+use siloflow_dem::store::{
     AfterDeferredKick, AfterRenumbering, BeforeRenumbering, EngineBalance, FirstRenumbering, ParticleStore, Renumber,
     SpinsDrifted, after_kicks, reads_velocities_when,
 };
-use crate::walls::surfaces::walls_leave;
+use siloflow_dem::walls::surfaces::walls_leave;
 
 /// Energy flows since the start, J. This resource exists if the energy balance is kept.
 #[derive(Resource, Clone, Copy, Debug, Default, Serialize, Deserialize)]

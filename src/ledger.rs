@@ -12,7 +12,7 @@
 //! report states how far it moved.
 //!
 //! In solid space the walls are wall surfaces, the orifice is the place of a door, and grains cannot leave over a
-//! top. Moving wall grains ([`crate::walls::conveyor`]) have no lines. A system that releases a grain must write
+//! top. Moving wall grains ([`siloflow_dem::walls::conveyor`]) have no lines. A system that releases a grain must write
 //! `GrainReleased`; otherwise the grain is not counted.
 //!
 //! Doors count at their shut places: a grain that crosses the place of a door is out if the door was not shut since the last
@@ -33,18 +33,18 @@ use self::cull::CullLine;
 pub use self::cull::{Cull, CullPlugin};
 pub use self::departures::{Departure, Departures};
 pub use self::grain_accounting::{GrainsAccounted, Ledger, LedgerPlugin, LossRecord, OnLoss};
-use crate::displacement_trigger::DisplacementTrigger;
 use crate::door::DoorState;
-use crate::messages::{GrainLost, GrainOut};
-use crate::particle::{Grain, GrainId};
-use crate::particles::Particles;
-use crate::periodic::Periodic;
-use crate::persist::{PersistApp as _, Problem};
-use crate::space::{Plane, Space};
-use crate::step::{Clock, Phase, Step};
-use crate::store::{AfterRenumbering, ParticleStore, Renumber};
-use crate::walls::paths::{Crossing, Paths};
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::displacement_trigger::DisplacementTrigger;
+use siloflow_dem::messages::{GrainLost, GrainOut};
+use siloflow_dem::particle::{Grain, GrainId};
+use siloflow_dem::particles::Particles;
+use siloflow_dem::periodic::Periodic;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::{Plane, Space};
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::{AfterRenumbering, ParticleStore, Renumber};
+use siloflow_dem::walls::paths::{Crossing, Paths};
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// State of each particle in the grain accounting, by slot.
 #[derive(Resource, Default, Deserialize, Serialize)]

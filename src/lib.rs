@@ -32,47 +32,40 @@
 //! let world = simulation.world_mut();
 //! let x = world.query::<&Position>().single(world).unwrap().0;
 //! assert!((x.y - (1.0 - 0.5 * 9.81 * 0.4f64.powi(2))).abs() < 1e-12);
-//! # Ok::<(), siloflow::fault::Fault>(())
+//! # Ok::<(), siloflow::text::fault::Fault>(())
 //! ```
 
-pub mod accuracy;
 pub mod assembly;
 pub mod behaviour;
 pub mod charts;
 pub mod cli;
 pub mod compare;
-pub mod divergence;
 pub mod door;
 pub mod ending;
 pub mod energy;
-pub mod finite;
 pub mod grains;
 pub mod lammps;
-pub mod lattice;
-pub mod lattice_study;
+pub mod lattice_silo;
 pub mod ledger;
 pub mod measure;
 pub mod output;
-pub mod own_files;
 pub mod plugins;
 pub mod random;
 pub mod report;
 pub mod rest;
 pub mod scene;
 pub mod simulation;
-pub mod source;
-pub mod stop;
-pub mod sweep;
-pub mod validation;
-pub mod watchdog;
+pub mod studies;
 pub mod writers;
 
 #[doc(inline)]
-pub use siloflow_kernel::{
-    budget, contact, displacement_trigger, fault, gravity, instructions, integrate, messages, neighbours, outcome,
-    particle, particles, periodic, persist, space, spin, step, store, survey, text, threads, values, walls,
-};
-use siloflow_kernel::{engine, table_sort};
+pub use siloflow_dem as dem;
+#[doc(inline)]
+pub use siloflow_files as files;
+#[doc(inline)]
+pub use siloflow_lattice as lattice;
+#[doc(inline)]
+pub use siloflow_text as text;
 
 /// Names that a behaviour needs. A crate that depends on siloflow and serde alone can use the derives of the ECS too.
 /// These derives name `bevy_ecs`, which `use siloflow::prelude::*` imports into the module ([`behaviour`] shows the
@@ -85,24 +78,26 @@ pub mod prelude {
     pub use bevy_ecs::system::SystemParam;
 
     pub use crate::behaviour::{Behaviour, Registry};
-    pub use crate::contact::{Bounce, ContactPlugin, LawRequirements, Memory, Pair, PairForce, PairLaw};
     pub use crate::ledger::Ledger;
     pub use crate::measure::outputs::{OutputApp, Palette, Scale};
     pub use crate::measure::{ObserveStage, due, observe_every};
-    pub use crate::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
-    pub use crate::outcome::{End, Failure, Outcome};
     pub use crate::output::run_directory::RunPath;
-    pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
-    pub use crate::particles::{Motion, Particles};
-    pub use crate::persist::PersistApp;
     pub use crate::scene::load;
     pub use crate::scene::loaded::Loaded;
     pub use crate::simulation::Simulation;
-    pub use crate::space::{Dimension, Linear, Plane, Solid, Space, Vector};
-    pub use crate::spin::{Inertia, Spin, Torque};
-    pub use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
-    pub use crate::survey::pair_forces::PairForces;
-    pub use crate::survey::pair_map::PairMap;
-    pub use crate::survey::touching::Touching;
-    pub use crate::survey::view::{ContactState, ContactView, Touched};
+    pub use siloflow_dem::contact::{Bounce, ContactPlugin, LawRequirements, Memory, Pair, PairForce, PairLaw};
+    pub use siloflow_dem::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
+    pub use siloflow_dem::outcome::{End, Failure, Outcome};
+    pub use siloflow_dem::particle::{
+        Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity,
+    };
+    pub use siloflow_dem::particles::{Motion, Particles};
+    pub use siloflow_dem::persist::PersistApp;
+    pub use siloflow_dem::space::{Dimension, Linear, Plane, Solid, Space, Vector};
+    pub use siloflow_dem::spin::{Inertia, Spin, Torque};
+    pub use siloflow_dem::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+    pub use siloflow_dem::survey::pair_forces::PairForces;
+    pub use siloflow_dem::survey::pair_map::PairMap;
+    pub use siloflow_dem::survey::touching::Touching;
+    pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
 }

@@ -17,14 +17,14 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::grains::spawner::Pending;
-use crate::gravity::Gravity;
-use crate::messages::CameToRest;
-use crate::particles::Motion;
-use crate::persist::PersistApp as _;
-use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
-use crate::store::register_predictable;
-use crate::values::{NonNegative, Positive};
+use siloflow_dem::gravity::Gravity;
+use siloflow_dem::messages::CameToRest;
+use siloflow_dem::particles::Motion;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::register_predictable;
+use siloflow_dem::values::{NonNegative, Positive};
 
 /// The scene key `rest`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -108,7 +108,7 @@ impl<V: Space> Plugin for RestPlugin<V> {
                 .in_set(Phase::Control)
                 .in_set(RestDetection)
                 .run_if(may_come_to_rest)
-                .run_if(crate::step::time_moves),
+                .run_if(siloflow_dem::step::time_moves),
         );
         register_predictable(app, may_come_to_rest, may_come_to_rest);
     }

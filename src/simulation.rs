@@ -15,21 +15,21 @@ use crate::assembly::Assembly;
 #[cfg(doc)]
 use crate::behaviour::Behaviour;
 use crate::behaviour::Registry;
-use crate::fault::Fault;
-use crate::lattice;
-use crate::lattice::load::LoadedLattice;
-use crate::outcome::Failure;
+use crate::lattice_silo;
+use crate::lattice_silo::load::LoadedLattice;
 use crate::output::checkpoint::Checkpoints;
 use crate::output::cost::RunCost;
 use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::losses::LossesFile;
 use crate::output::run_directory::{RunDirectory, RunPath};
-use crate::persist::{self, Problem, Section, UnknownState};
 use crate::plugins::add_behaviours;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::store;
 use crate::writers::frame_writer::FrameWriter;
+use siloflow_dem::outcome::Failure;
+use siloflow_dem::persist::{self, Problem, Section, UnknownState};
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::store;
+use siloflow_text::fault::Fault;
 
 /// A run in progress.
 pub struct Simulation {
@@ -61,7 +61,7 @@ impl Simulation {
     /// # Errors
     /// * A behaviour is unknown, or its keys are wrong.
     /// * Systems of behaviours conflict or are in no phase.
-    /// * The environment selects [`instructions`](crate::instructions) that this machine lacks.
+    /// * The environment selects [`instructions`](siloflow_dem::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
         Self::with(loaded, registry, threads, Caller::Outside, Box::new(|_| Ok(())), None)
     }
@@ -192,9 +192,9 @@ impl Simulation {
         let behaviours = registry.of_lattice(loaded)?;
         let mut app = app_with_resources(threads)?;
         let mut assembly = Assembly::new(&mut app);
-        lattice::plugins::add_all(&mut assembly, loaded);
+        lattice_silo::plugins::add_all(&mut assembly, loaded);
         add_behaviours(&mut assembly, behaviours);
-        refuse_outputs(assembly.world(), &loaded.source, lattice::series::HEADER)?;
+        refuse_outputs(assembly.world(), &loaded.source, lattice_silo::series::HEADER)?;
         more(&mut assembly)?;
         assembly.finish();
         if let Some((saved, unknown)) = saved {

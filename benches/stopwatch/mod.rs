@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SystemKey;
+use siloflow::dem::step;
 use siloflow::prelude::*;
-use siloflow::step;
 
 /// Parts of a step that are distinguished.
 pub const PARTS: [(&str, Part); 10] = [

@@ -8,16 +8,16 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use siloflow::behaviour::Registry;
-use siloflow::fault::Fault;
+use siloflow::text::fault::Fault;
 use siloflow::ledger::Ledger;
 use siloflow::measure::totals;
-use siloflow::outcome::End;
-use siloflow::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+use siloflow::dem::outcome::End;
+use siloflow::dem::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
 use siloflow::scene::load;
 use siloflow::scene::loaded::Loaded;
 use siloflow::simulation::Simulation as Engine;
-use siloflow::space::{Dimension, Plane, Solid, Space};
-use siloflow::step::Clock;
+use siloflow::dem::space::{Dimension, Plane, Solid, Space};
+use siloflow::dem::step::Clock;
 
 use crate::{SceneError, set_column};
 

@@ -2,9 +2,9 @@
 //! show the last averaging time.
 
 use super::run_files::RunFiles;
-use crate::fault::Fault;
 use crate::output::table::Table;
 use crate::writers::plot::{Axis, Curve, Key, Panel, colour};
+use siloflow_text::fault::Fault;
 
 /// Columns of `wall_bands.csv`: name, title and label.
 const BANDS: [(&str, &str, &str); 4] = [

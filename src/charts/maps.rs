@@ -3,10 +3,10 @@
 
 use super::by_height::last_rows;
 use super::run_files::RunFiles;
-use crate::fault::Fault;
 use crate::output::table::Table;
 use crate::writers::colour::viridis;
 use crate::writers::plot::{Axis, Cell, Panel, Scale};
+use siloflow_text::fault::Fault;
 
 /// A value at a place of a grid: the two coordinates, m, and the value.
 type Sample = (f64, f64, f64);

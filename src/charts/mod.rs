@@ -28,8 +28,8 @@ pub mod rate;
 pub mod run_files;
 
 use crate::charts::run_files::RunFiles;
-use crate::fault::Fault;
 use crate::writers::plot::{Panel, sheet};
+use siloflow_text::fault::Fault;
 
 /// A figure of one or several runs.
 #[derive(Clone, Debug)]

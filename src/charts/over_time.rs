@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::run_files::RunFiles;
-use crate::fault::Fault;
 use crate::output::table::Table;
 use crate::writers::plot::{Axis, Clock, Curve, Key, Mark, Panel, colour};
+use siloflow_text::fault::Fault;
 
 /// A column and its name in a legend.
 type Named = (&'static str, &'static str);

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::fault::Fault;
 use crate::output::run_directory::{Depth, refuse_odd};
 use crate::output::table::Table;
-use crate::own_files;
-use crate::source::files;
 use crate::writers::plot::Mark;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 /// A run directory, of a run that ended, goes on or was killed.
 #[derive(Clone, Debug)]
@@ -136,7 +136,7 @@ fn summary(path: &Path) -> Result<Value, Fault> {
         return Ok(Value::Null);
     }
     let shown = path.display();
-    let text = files::read_own_text(path, files::RESULT_BYTES).map_err(|error| {
+    let text = own_files::read_text(path, file::RESULT_BYTES).map_err(|error| {
         Fault::new("results::unreadable", format!("could not read {shown}: {error}")).help("may you read it?")
     })?;
     serde_json::from_str(&text).map_err(|error| {

@@ -9,15 +9,15 @@ use std::time::Instant;
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::accuracy::case::Case;
-use crate::accuracy::ladder::{self, Climb, Prepared};
-use crate::accuracy::report::Report;
-use crate::accuracy::scene_study::Question;
-use crate::accuracy::{SCHEMES, cases, cost, figure};
 use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
 use crate::cli::{check_results, picture_files, say, say_aside, setting, write_results};
-use crate::fault::Fault;
+use crate::studies::accuracy::case::Case;
+use crate::studies::accuracy::ladder::{self, Climb, Prepared};
+use crate::studies::accuracy::report::Report;
+use crate::studies::accuracy::scene_study::Question;
+use crate::studies::accuracy::{SCHEMES, cases, cost, figure};
+use siloflow_text::fault::Fault;
 
 /// Arguments of `accuracy`.
 #[derive(Args, Debug)]

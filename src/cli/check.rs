@@ -6,25 +6,25 @@ use std::time::Duration;
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::budget::{self, Budget};
 use crate::cli::exit_status::Verdict;
 use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
-use crate::fault::Fault;
-use crate::lattice;
-use crate::lattice::load::LoadedLattice;
-use crate::lattice::sites::Sites;
+use crate::lattice_silo;
+use crate::lattice_silo::load::LoadedLattice;
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::automatic;
 use crate::scene::check::{self, Estimates};
 use crate::scene::expected::{self, BYTES_PER_GRAIN};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::Simulation;
-use crate::values::NonNegative;
-use crate::walls::config::Wall;
-use crate::walls::mesh::open_and_crowded_edges;
-use crate::walls::mesh_faults;
 use crate::writers::volume::{self, Output, Volume};
+use siloflow_dem::budget::{self, Budget};
+use siloflow_dem::values::NonNegative;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::mesh::open_and_crowded_edges;
+use siloflow_dem::walls::mesh_faults;
+use siloflow_lattice::sites::Sites;
+use siloflow_text::fault::Fault;
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -56,7 +56,7 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
         AnyScene::Lattice(loaded) => {
             Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
             describe_lattice(loaded, &mut text);
-            lattice::check::warnings(loaded)
+            lattice_silo::check::warnings(loaded)
         }
     };
     // Writing to a string cannot fail.
@@ -163,9 +163,9 @@ fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {
         sites.fluid_count(),
         sites.spacing,
         sites.doorway.len(),
-        lattice::check::diffuse_layer(loaded)
+        lattice_silo::check::diffuse_layer(loaded)
             .map_or("none: no gravity".to_owned(), |layer| format!("about {layer:.2} m thick (12/g sites)")),
     );
     #[expect(clippy::cast_precision_loss, reason = "a number of steps")]
-    describe_output(&lattice::limits::outputs(loaded), loaded.scene.until as f64, text);
+    describe_output(&lattice_silo::limits::outputs(loaded), loaded.scene.until as f64, text);
 }

@@ -1,6 +1,6 @@
 //! `siloflow diff`: runs two scenes together and reports the first step, grain and quantity in which they differ.
 //!
-//! Each argument is a run directory, whose `scene.ron` is run again, or a scene. Nothing is written. [`crate::divergence`]
+//! Each argument is a run directory, whose `scene.ron` is run again, or a scene. Nothing is written. [`crate::studies::diff`]
 //! documents the compared quantities and the limits of the comparison.
 
 use std::fmt::Write as _;
@@ -15,16 +15,16 @@ use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
 use crate::cli::progress::Progress;
 use crate::cli::say;
-use crate::divergence::{Divergence, Pair};
-use crate::fault::Fault;
-use crate::outcome::{End, Outcome};
 use crate::output::run_directory::{self, Depth, refuse_odd};
-use crate::own_files;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
-use crate::source::keys::{Change, changes};
-use crate::step::Clock;
+use crate::studies::diff::{Divergence, Pair};
+use siloflow_dem::outcome::{End, Outcome};
+use siloflow_dem::step::Clock;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::source::keys::{Change, changes};
 
 /// Arguments of `diff`.
 #[derive(Args, Debug)]

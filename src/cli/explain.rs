@@ -10,16 +10,16 @@ use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
-use crate::fault::Fault;
-use crate::lattice::load::LoadedLattice;
-use crate::lattice::rules::Rules;
-use crate::lattice::sites::Sites;
-use crate::particle::Grain;
+use crate::lattice_silo::load::LoadedLattice;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
-use crate::step::Step;
-use crate::store::{DeferredKick, Renumber, path_in_siloflow};
-use crate::walls::config::Wall;
+use siloflow_dem::particle::Grain;
+use siloflow_dem::step::Step;
+use siloflow_dem::store::{DeferredKick, Renumber, path_in_siloflow};
+use siloflow_dem::walls::config::Wall;
+use siloflow_lattice::rules::Rules;
+use siloflow_lattice::sites::Sites;
+use siloflow_text::fault::Fault;
 
 pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
     match args.load()? {

@@ -9,16 +9,16 @@ use clap::builder::PossibleValuesParser;
 use crate::cli::exit_status::Verdict;
 use crate::cli::export_scene::{self, LAMMPS};
 use crate::cli::{SceneArgs, help_to_write, say, setting};
-use crate::fault::Fault;
 use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
 use crate::output::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
-use crate::own_files;
 use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::scene::outputs::Format;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
 
 /// Arguments of `export`.
 #[derive(Args, Debug)]

@@ -6,23 +6,23 @@ use std::path::Path;
 use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
-use crate::contact::history::History;
-use crate::contact::history::remembered::{self, PartnerKind};
-use crate::fault::Fault;
 use crate::grains::file;
 use crate::ledger::Ledger;
 use crate::output::checkpoint::find;
 use crate::output::parent::Parent;
 use crate::output::run_directory::{RunDirectory, scene_of};
 use crate::output::state_hash;
-use crate::particle::{Grain, GrainId};
-use crate::persist::UnknownState;
 use crate::scene::load::{self, StartState};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::store::ParticleStore;
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::contact::history::History;
+use siloflow_dem::contact::history::remembered::{self, PartnerKind};
+use siloflow_dem::particle::{Grain, GrainId};
+use siloflow_dem::persist::UnknownState;
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::store::ParticleStore;
+use siloflow_dem::walls::surfaces::Surfaces;
+use siloflow_text::fault::Fault;
 
 /// The state of a run from which another starts.
 pub(super) struct Origin {

@@ -43,12 +43,12 @@ use clap::{Args, Parser, Subcommand};
 use crate::behaviour::Registry;
 pub use crate::cli::exit_status::EXIT_STATUSES;
 use crate::cli::exit_status::{REFUSED, Verdict};
-use crate::fault::Fault;
 use crate::output::run_directory;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::text::for_terminal;
 use crate::writers::png;
+use siloflow_text::fault::Fault;
+use siloflow_text::safe::for_terminal;
 
 /// Simulates grain in silos from one scene file, and leaves pictures, figures and data.
 #[derive(Parser, Debug)]

@@ -7,10 +7,10 @@ use clap::Args;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
-use crate::fault::Fault;
 use crate::scene::shipped::{self, SCENES, Shipped};
-use crate::source::parse::did_you_mean;
 use crate::writers::whole_file;
+use siloflow_text::fault::Fault;
+use siloflow_text::source::parse::did_you_mean;
 
 /// Arguments of `new`.
 #[derive(Args, Debug)]

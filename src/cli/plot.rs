@@ -8,7 +8,8 @@ use crate::charts::run_files::RunFiles;
 use crate::charts::{self, Figure};
 use crate::cli::exit_status::Verdict;
 use crate::cli::{check_results, picture_files, say, write_results};
-use crate::fault::Fault;
+use siloflow_text::fault::Fault;
+use siloflow_text::source::parse::closest;
 
 /// Arguments of `plot`.
 #[derive(Args, Debug)]
@@ -83,9 +84,7 @@ fn named(runs: &[&RunFiles], name: &str) -> Result<Figure, Fault> {
             "the run measured no such thing, or nothing happened; docs/reference/command-line.md names the scene keys",
         )
     } else {
-        let near = known.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
-        let near = near.filter(|known| strsim::jaro_winkler(known, name) > 0.7);
-        let meant = near.map_or_else(String::new, |near| format!("did you mean `{near}`? "));
+        let meant = closest(name, &known).map_or_else(String::new, |near| format!("did you mean `{near}`? "));
         Fault::new("plot::unknown", format!("there is no figure and no column `{name}`"))
             .help(format!("{meant}known: {}", known.join(", ")))
     })

@@ -19,17 +19,17 @@ use crate::behaviour::{Behaviour, Registry};
 use crate::cli::run::{resume, run_into};
 use crate::cli::run_path::{Call, Report};
 use crate::cli::signals::Signals;
-use crate::fault::Fault;
 use crate::measure::outputs::OutputApp as _;
-use crate::outcome::{End, Failure, Outcome};
 use crate::output::run_directory::RunPath;
 use crate::output::verification;
-use crate::persist::PersistApp as _;
 use crate::scene::load;
-use crate::step::{Clock, Phase, Step};
 use crate::writers::disk::recorder::{Disk, Operation, Tree, make, record, tree};
 use crate::writers::rows::Rows;
 use crate::writers::whole_file;
+use siloflow_dem::outcome::{End, Failure, Outcome};
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_text::fault::Fault;
 
 /// Every kind of output, within few steps.
 const GRAINS: &str = r#"(

@@ -9,11 +9,11 @@ use clap::Args;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
-use crate::fault::Fault;
 use crate::output::run_directory::report_of;
-use crate::own_files;
 use crate::report;
 use crate::writers::whole_file;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
 
 /// Where the report of several runs is written.
 const OF_SEVERAL: &str = "out/report.html";

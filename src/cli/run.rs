@@ -11,12 +11,12 @@ use crate::cli::from::Origin;
 use crate::cli::run_path::{Call, Report, carry_on, carry_out};
 use crate::cli::signals::Signals;
 use crate::cli::{SceneArgs, say};
-use crate::fault::Fault;
 use crate::output::checkpoint::find;
 use crate::output::run_directory::{RunDirectory, scene_of};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::values::NonNegative;
+use siloflow_dem::values::NonNegative;
+use siloflow_text::fault::Fault;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]

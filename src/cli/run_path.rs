@@ -22,23 +22,23 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::progress::{Pace, Progress};
 use crate::cli::show;
 use crate::cli::signals::Signals;
-use crate::fault::Fault;
-use crate::outcome::{End, Failure};
 use crate::output::checkpoint::file::Checkpoint;
 use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
 use crate::output::parent::Parent;
 use crate::output::run_directory::{RunDirectory, report_of};
 use crate::output::summary::Cost;
-use crate::persist::{CheckpointConfig, Section};
 use crate::report;
 use crate::simulation::Simulation;
-use crate::source::Source;
-use crate::values::NonNegative;
 use crate::writers::hashes::{self, SummaryFiles};
 use crate::writers::provenance::Provenance;
 use crate::writers::run_files::Damage;
 use crate::writers::whole_file;
+use siloflow_dem::outcome::{End, Failure};
+use siloflow_dem::persist::{CheckpointConfig, Section};
+use siloflow_dem::values::NonNegative;
+use siloflow_text::fault::Fault;
+use siloflow_text::source::Source;
 
 /// Settings of a run that do not change its result.
 pub(super) struct Call<'a> {

@@ -9,8 +9,8 @@ use clap_complete::Shell;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::{Cli, say, unwritable};
-use crate::fault::Fault;
 use crate::writers::whole_file;
+use siloflow_text::fault::Fault;
 
 /// Arguments of `completions`.
 #[derive(Args, Debug)]
@@ -85,7 +85,7 @@ mod tests {
             let script = String::from_utf8(script).unwrap();
             assert!(commands().iter().all(|command| script.contains(command.as_str())), "{shell}");
             // Nothing in a script is changed for the terminal.
-            assert_eq!(crate::text::for_terminal(&script), script, "{shell}");
+            assert_eq!(siloflow_text::safe::for_terminal(&script), script, "{shell}");
         }
     }
 

@@ -10,12 +10,12 @@ use rayon::prelude::*;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::{check_results, picture_files, say, say_aside, write_results};
-use crate::fault::Fault;
-use crate::lattice_study::figures::Flights;
-use crate::lattice_study::plan::{Case, Plan};
-use crate::lattice_study::replica::Replica;
-use crate::lattice_study::report;
-use crate::lattice_study::results::Results;
+use crate::studies::study::figures::Flights;
+use crate::studies::study::plan::{Case, Plan};
+use crate::studies::study::replica::Replica;
+use crate::studies::study::report;
+use crate::studies::study::results::Results;
+use siloflow_text::fault::Fault;
 
 /// Number of particles thrown for the parabola, and the g of the throw.
 const THROWN: (u64, f64) = (1000, 0.05);

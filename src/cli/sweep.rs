@@ -19,10 +19,10 @@ use crate::cli::signals::Signals;
 use crate::cli::sweep::results::{conclude_part, gather};
 use crate::cli::sweep::runs::{Failure, Runs};
 use crate::cli::{program, say};
-use crate::fault::Fault;
-use crate::sweep::directory::{State, SweepDirectory};
-use crate::sweep::script::{Calls, Part, Scheduler};
-use crate::sweep::{Sweep, Task};
+use crate::studies::sweep::directory::{State, SweepDirectory};
+use crate::studies::sweep::script::{Calls, Part, Scheduler};
+use crate::studies::sweep::{Sweep, Task};
+use siloflow_text::fault::Fault;
 
 /// Arguments of `sweep`.
 #[derive(Args, Debug)]

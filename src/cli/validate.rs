@@ -12,19 +12,19 @@ use crate::cli::exit_status::Verdict as Status;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::{Effort, available_cores, complete};
 use crate::cli::{picture_files, refused, say, show, unwritable};
-use crate::fault::Fault;
 use crate::output::run_directory::write_results;
-use crate::own_files;
-use crate::source::files;
-use crate::sweep::Sweep;
-use crate::sweep::fit::short;
-use crate::validation::cases::CASES;
-use crate::validation::page::{self, Section};
-use crate::validation::runs::{Studies, sweep_directory};
-use crate::validation::verdict::Verdict;
-use crate::validation::{Case, Form};
+use crate::studies::sweep::Sweep;
+use crate::studies::sweep::fit::short;
+use crate::studies::validation::cases::CASES;
+use crate::studies::validation::page::{self, Section};
+use crate::studies::validation::runs::{Studies, sweep_directory};
+use crate::studies::validation::verdict::Verdict;
+use crate::studies::validation::{Case, Form};
 use crate::writers::marked::foreign_entry;
 use crate::writers::whole_file;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 /// File that marks a directory of validations.
 const MARKER: &str = ".siloflow-validate";
@@ -187,7 +187,7 @@ fn write_inputs(out: &Path, directory: &Path, case: &Case) -> std::io::Result<()
     fs::create_dir_all(directory)?;
     for (name, content) in case.files {
         let path = directory.join(name);
-        if files::read_own_text(&path, files::RESULT_BYTES).ok().as_deref() != Some(content) {
+        if own_files::read_text(&path, file::RESULT_BYTES).ok().as_deref() != Some(content) {
             whole_file::write(&path, content.as_bytes())?;
         }
     }

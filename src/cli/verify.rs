@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
-use crate::fault::Fault;
 use crate::output::verification::{self, Verification};
+use siloflow_text::fault::Fault;
 
 /// Arguments of `verify`.
 #[derive(Args, Debug)]

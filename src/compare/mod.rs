@@ -20,9 +20,9 @@ pub mod report;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::compare::report::{FieldFigures, Report, Row};
-use crate::fault::Fault;
-use crate::space::Vector;
-use crate::walls::silo_file::Disc;
+use siloflow_dem::space::Vector;
+use siloflow_dem::walls::silo_file::Disc;
+use siloflow_text::fault::Fault;
 
 /// The flow of a run, as read from its run directory.
 #[derive(Clone, Debug)]

@@ -3,10 +3,10 @@
 use crate::compare::Run;
 use crate::compare::field::{Cell, Field};
 use crate::compare::report::{FieldFigures, Report, Row};
-use crate::space::Vector;
 use crate::writers::colour::{WALL, viridis};
 use crate::writers::plot::{Axis, Curve, colour, figure};
 use crate::writers::svg::{Legend, Picture};
+use siloflow_dem::space::Vector;
 
 /// Returns the pictures of a comparison as pairs of name and SVG document. Fields and cost are drawn for the runs with a field.
 #[must_use]

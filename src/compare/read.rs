@@ -15,15 +15,16 @@ use serde_json::Value;
 use crate::compare::Run;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
-use crate::fault::Fault;
 use crate::measure::flow::FlowMeans;
 use crate::output::run_directory::{Depth, refuse_odd};
 use crate::output::table::Table;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::source::files;
-use crate::space::Vector;
-use crate::walls::silo_file::Disc;
+use siloflow_dem::space::Vector;
+use siloflow_dem::walls::silo_file::Disc;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 /// Help text for a directory without a velocity field.
 const NO_FLOW: &str = "give its scene the key `flow`, for example `flow: (cell: 0.05, sample: 0.02)`, m and s (of a lattice gas `sample: 5.0`, steps), \
@@ -79,7 +80,7 @@ fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
 }
 
 fn summary(path: &Path) -> Result<Value, Fault> {
-    let text = files::read_own_text(path, files::RESULT_BYTES).map_err(|error| {
+    let text = own_files::read_text(path, file::RESULT_BYTES).map_err(|error| {
         Fault::new("compare::no_summary", format!("could not read {}: {error}", path.display()))
             .help("a run writes it when it ends: has this one ended? `siloflow run` makes run directories")
     })?;

@@ -10,8 +10,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::sampled_sum::Weight;
-use crate::space::{Linear, Space};
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::space::{Linear, Space};
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Number of steps that are summed after one in which many contacts have begun or ended.
 const AFTER_EVENT: u32 = 2;

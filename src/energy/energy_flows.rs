@@ -2,14 +2,14 @@
 
 use bevy_ecs::prelude::*;
 
-use crate::contact::Memory;
 use crate::energy::EnergyFlows;
-use crate::gravity::Gravity;
-use crate::particle::Grain;
-use crate::space::Space;
-use crate::store::{ParticleStore, Slot};
-use crate::survey::{Partner, SurveyParam};
-use crate::walls::surfaces::LeavingWalls;
+use siloflow_dem::contact::Memory;
+use siloflow_dem::gravity::Gravity;
+use siloflow_dem::particle::Grain;
+use siloflow_dem::space::Space;
+use siloflow_dem::store::{ParticleStore, Slot};
+use siloflow_dem::survey::{Partner, SurveyParam};
+use siloflow_dem::walls::surfaces::LeavingWalls;
 
 /// Returns the kinetic and gravitational energy of a particle, J.
 fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {

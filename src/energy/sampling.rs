@@ -33,12 +33,12 @@ use super::EnergyFlows;
 use super::activity::Activity;
 use super::sampled_sum::SampledSum;
 use super::work::{Powers, TurningPowers};
-use crate::contact::history::History;
 use crate::random::Stream;
-use crate::space::Space;
-use crate::step::Clock;
-use crate::store::ParticleStore;
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::contact::history::History;
+use siloflow_dem::space::Space;
+use siloflow_dem::step::Clock;
+use siloflow_dem::store::ParticleStore;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Share of the dissipated energy that one interval between samples may add to the standard error.
 pub const SHARE: f64 = 2e-3;

@@ -9,14 +9,14 @@ use std::ops::Add;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::history::{ContactLosses, History};
 use crate::energy::activity::Activity;
 use crate::energy::sampled_sum::SampledSum;
 use crate::energy::{Channels, EnergyFlows};
-use crate::space::{Linear, Space};
-use crate::step::Clock;
-use crate::store::{CHUNK, ParticleStore, TOTAL_AND_DISSIPATIVE};
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::contact::history::{ContactLosses, History};
+use siloflow_dem::space::{Linear, Space};
+use siloflow_dem::step::Clock;
+use siloflow_dem::store::{CHUNK, ParticleStore, TOTAL_AND_DISSIPATIVE};
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Powers at the end of the last step, W.
 #[derive(Resource, Clone, Copy, Debug, Default, Deserialize, Serialize)]

@@ -26,17 +26,17 @@ use self::inlet::{Inlet, Progress, Released};
 use crate::grains::mass::MassLaw;
 use crate::grains::region::Region;
 use crate::grains::spawner::{Pending, RadiusLaw, SpawnerState};
-use crate::messages::GrainReleased;
-use crate::outcome::{Failure, Outcome};
-use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Velocity};
-use crate::particles::Particles;
-use crate::persist::{PersistApp as _, Problem};
-use crate::space::Space;
-use crate::spin::InertiaLaw;
-use crate::step::{Clock, Phase, Step};
-use crate::store::PlainCommands;
-use crate::values::{FiniteVector, NonNegative, Positive};
-use crate::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::messages::GrainReleased;
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Velocity};
+use siloflow_dem::particles::Particles;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::Space;
+use siloflow_dem::spin::InertiaLaw;
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::PlainCommands;
+use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
+use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// One entry of the scene key `feed`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 
 pub use self::read::{parse, read};
 pub use self::write::{without_spin, write, write_to};
-use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
-use crate::space::{Dimension, Solid, Space};
+use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use siloflow_dem::space::{Dimension, Solid, Space};
 
 /// The scene key `grains`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -106,9 +106,9 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::Plane;
-    use crate::spin::Spin;
     use bevy_ecs::prelude::*;
+    use siloflow_dem::space::Plane;
+    use siloflow_dem::spin::Spin;
 
     const PLANE: Kind = Kind { dimension: Dimension::Plane, spins: false };
 

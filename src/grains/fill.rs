@@ -19,10 +19,10 @@ use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::occupied::Occupied;
 use crate::grains::spawner::RadiusLaw;
-use crate::particle::{GrainId, Species};
 use crate::random::Stream;
-use crate::space::{Dimension, Solid};
-use crate::values::{FiniteVector, NonNegative, Positive};
+use siloflow_dem::particle::{GrainId, Species};
+use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
 
 /// One entry of the scene key `fill`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -228,7 +228,7 @@ fn axes(dimension: Dimension, v: [f64; 3]) -> Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::source::parse;
+    use siloflow_text::source::parse;
 
     fn fill(text: &str) -> Fill {
         parse::parse("fill.ron", text).unwrap()

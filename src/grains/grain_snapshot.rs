@@ -3,10 +3,10 @@
 use bevy_ecs::entity::EntityIndex;
 use bevy_ecs::prelude::*;
 
-use crate::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
-use crate::space::Space;
-use crate::spin::Spin;
-use crate::store::ParticleStore;
+use siloflow_dem::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+use siloflow_dem::space::Space;
+use siloflow_dem::spin::Spin;
+use siloflow_dem::store::ParticleStore;
 
 /// State of one grain, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]

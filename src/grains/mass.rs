@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::values::Positive;
+use siloflow_dem::values::Positive;
 
 /// The scene key `mass`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

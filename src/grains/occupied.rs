@@ -5,8 +5,8 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::periodic::PeriodicSides;
-use crate::space::Solid;
+use siloflow_dem::periodic::PeriodicSides;
+use siloflow_dem::space::Solid;
 
 /// A particle that is compared one by one is larger than the largest new grain by more than this factor.
 const LARGE: f64 = 4.0;
@@ -85,7 +85,7 @@ impl Occupied {
 mod tests {
     use super::*;
     use crate::random::Stream;
-    use crate::source::parse;
+    use siloflow_text::source::parse;
 
     #[test]
     fn cells_find_what_a_comparison_with_all_finds() {

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use crate::space::Solid;
-use crate::values::{FiniteVector, NonNegative, Positive};
+use siloflow_dem::space::Solid;
+use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
 
 /// A region.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -16,18 +16,18 @@ use serde::{Deserialize, Serialize};
 use crate::grains::feed;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
-use crate::messages::GrainReleased;
-use crate::outcome::{Failure, Outcome};
-use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
-use crate::particles::Particles;
-use crate::periodic::Periodic;
-use crate::persist::{PersistApp as _, Problem};
 use crate::random::Stream;
-use crate::space::{Solid, Space};
-use crate::step::{Clock, Phase, Step};
-use crate::store::PlainCommands;
-use crate::values::{FiniteVector, NonNegative, Positive, Share};
-use crate::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::messages::GrainReleased;
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use siloflow_dem::particles::Particles;
+use siloflow_dem::periodic::Periodic;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::{Solid, Space};
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::PlainCommands;
+use siloflow_dem::values::{FiniteVector, NonNegative, Positive, Share};
+use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// The scene key `spawner`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

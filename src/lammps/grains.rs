@@ -11,9 +11,9 @@ use crate::lammps::outputs::up;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{DATA, motions, number, vector};
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Solid};
-use crate::spin::InertiaLaw;
-use crate::walls::config::Wall;
+use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::spin::InertiaLaw;
+use siloflow_dem::walls::config::Wall;
 
 /// Half of the depth of the box of a planar scene, m.
 const HALF_DEPTH: f64 = 0.5;

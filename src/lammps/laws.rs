@@ -15,7 +15,7 @@
 //!
 //! In LAMMPS, c_t is a share of the normal c, and a(e) is the polynomial of Tsuji, Tanaka and Ishida (Powder Technology 71, 239, 1992).
 //! The file `laws/tsuji.rs` inverts it, so that c is equal to round-off for every pair of masses. `mindlin_rescale/force` treats a changing stiffness as
-//! [`Mindlin`](crate::contact::hertz::Mindlin) does: a stiffening spring keeps its force, a softening one its displacement.
+//! [`Mindlin`](siloflow_dem::contact::hertz::Mindlin) does: a stiffening spring keeps its force, a softening one its displacement.
 //!
 //! Limits: `pair granular` lets friction turn two grains with the arm R - delta/2 and computes the sliding velocity with R; the classic
 //! styles and walls use R in both places. Source: LAMMPS 29 Sep 2021 and 22 Jul 2025, measured.
@@ -24,17 +24,17 @@ mod tsuji;
 
 use std::fmt::Write as _;
 
-use crate::contact::config::{Contact, Friction, HertzFriction};
-use crate::contact::damping::{Attraction, Damping};
-use crate::contact::hertz::Material;
-use crate::contact::hertz::MindlinDamping;
-use crate::contact::rolling::{RollingDamping, RollingKeys};
-use crate::contact::tangential::{Lever, TangentialDamping};
-use crate::fault::Fault;
 use crate::lammps::laws::tsuji::tsuji;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{number, refused};
 use crate::scene::loaded::Loaded;
+use siloflow_dem::contact::config::{Contact, Friction, HertzFriction};
+use siloflow_dem::contact::damping::{Attraction, Damping};
+use siloflow_dem::contact::hertz::Material;
+use siloflow_dem::contact::hertz::MindlinDamping;
+use siloflow_dem::contact::rolling::{RollingDamping, RollingKeys};
+use siloflow_dem::contact::tangential::{Lever, TangentialDamping};
+use siloflow_text::fault::Fault;
 
 /// Friction coefficient of the drag in the assignment's law, which has no cap.
 const NO_CAP: f64 = 1e30;

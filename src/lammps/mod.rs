@@ -17,13 +17,13 @@ mod walls;
 use std::fmt::Write as _;
 
 use crate::door::{DoorMotion, DoorOpens};
-use crate::fault::Fault;
-use crate::integrate::Integrator;
 use crate::lammps::grains::Particles;
 use crate::scene::TimeStep;
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::walls::config::Wall;
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::space::Solid;
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Fault;
 
 /// Name of the script.
 pub const SCRIPT: &str = "in.silo";
@@ -223,7 +223,7 @@ fn head(loaded: &Loaded, differences: &[String]) -> String {
          # It writes series.csv and summary.json (siloflow plot reads them), wall_forces.csv, frames.dump (OVITO reads it),\n\
          # restart.1 and restart.2 (with contact springs) and final.data (without them).\n\
          # LAMMPS 29 Sep 2021 (Debian) is the reference; 22 Jul 2025 reads this script too. SI units.\n",
-        crate::text::for_terminal(&loaded.source.name).lines().next().unwrap_or_default(),
+        siloflow_text::safe::for_terminal(&loaded.source.name).lines().next().unwrap_or_default(),
         env!("CARGO_PKG_VERSION")
     );
     if !differences.is_empty() {

@@ -15,14 +15,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use crate::door::{DoorMotion, DoorOpens};
-use crate::fault::Fault;
 use crate::lammps::stages::first_step;
 use crate::lammps::{number, refused, vector};
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::values::{Finite, FiniteVector, NonNegative};
-use crate::walls::config::Wall;
-use crate::walls::motion::{Course, Motion, Values};
+use siloflow_dem::space::Solid;
+use siloflow_dem::values::{Finite, FiniteVector, NonNegative};
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::motion::{Course, Motion, Values};
+use siloflow_text::fault::Fault;
 
 /// The motion of a region.
 #[derive(Debug, Default)]

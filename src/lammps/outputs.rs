@@ -7,7 +7,7 @@ use crate::lammps::grains::Particles;
 use crate::lammps::number;
 use crate::lammps::walls::Walls;
 use crate::scene::loaded::Loaded;
-use crate::spin::InertiaLaw;
+use siloflow_dem::spin::InertiaLaw;
 
 /// Commands that write the forces of step 0 and end, if the variable `forces` is `yes`.
 pub(super) fn step_zero(loaded: &Loaded) -> String {
@@ -16,7 +16,7 @@ pub(super) fn step_zero(loaded: &Loaded) -> String {
         "\n# Forces of step 0, without weight, if they are asked for.\nvariable forces index no\n\
          if \"${{forces}} == yes\" then &\n  \"{}dump step_zero grains custom 1 forces.dump id fx fy fz{torques}\" &\n  \
          \"dump_modify step_zero sort id format float %.17g\" &\n  \"run 0\" &\n  \"quit\"\n",
-        if loaded.scene.gravity.padded() == crate::space::Solid::ZERO { "" } else { "unfix weight\" &\n  \"" }
+        if loaded.scene.gravity.padded() == siloflow_dem::space::Solid::ZERO { "" } else { "unfix weight\" &\n  \"" }
     )
 }
 

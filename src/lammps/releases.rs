@@ -6,13 +6,13 @@
 use std::fmt::Write as _;
 
 use crate::door::DoorOpens;
-use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::lammps::grains::Particles;
 use crate::lammps::outputs::steps;
 use crate::lammps::{number, refused, vector};
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid};
+use siloflow_dem::space::{Dimension, Plane, Solid};
+use siloflow_text::fault::Fault;
 
 /// Tests of an occupied place in an interval.
 const TESTS: u64 = 20;

@@ -1,12 +1,12 @@
 //! The course of a run: filling, rest, the opening of the door, the discharge and its end.
 //!
-//! Rest has the conditions of [`crate::rest`], and the end those of [`crate::ending`] and [`crate::stop`]. siloflow tests them in every
+//! Rest has the conditions of [`crate::rest`], and the end those of [`crate::ending`] and [`crate::ending::stop`]. siloflow tests them in every
 //! step; the script tests them several times in each interval that they must hold (`fix halt`), which the head of the script states.
 
 use std::fmt::Write as _;
 
 use crate::door::DoorOpens;
-use crate::fault::Fault;
+use crate::ending::stop::StopCondition;
 use crate::lammps::grains::Particles;
 use crate::lammps::outputs::steps;
 use crate::lammps::releases::{self, all_grains};
@@ -14,7 +14,7 @@ use crate::lammps::walls::Walls;
 use crate::lammps::{number, refused};
 use crate::rest::Rest;
 use crate::scene::loaded::Loaded;
-use crate::stop::StopCondition;
+use siloflow_text::fault::Fault;
 
 /// Tests in each interval that a condition must hold.
 const TESTS: f64 = 20.0;
@@ -81,7 +81,7 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     Ok(Course { script, differences })
 }
 
-/// Returns the first step that has reached a time (s), by the rule of [`Clock::has_reached`](crate::step::Clock::has_reached).
+/// Returns the first step that has reached a time (s), by the rule of [`Clock::has_reached`](siloflow_dem::step::Clock::has_reached).
 pub(super) fn first_step(time: f64, dt: f64) -> f64 {
     (time / dt - 1e-3).ceil().max(0.0)
 }

@@ -18,15 +18,15 @@
 
 use std::fmt::Write as _;
 
-use crate::contact::Contact;
-use crate::fault::Fault;
 use crate::lammps::laws::Laws;
 use crate::lammps::motions::{self, Leaf};
 use crate::lammps::{number, refused, vector};
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Solid};
-use crate::values::NonNegative;
-use crate::walls::config::Wall;
+use siloflow_dem::contact::Contact;
+use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::values::NonNegative;
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Fault;
 
 /// The walls of a scene.
 #[derive(Debug, Default)]

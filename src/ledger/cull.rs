@@ -10,17 +10,17 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::displacement_trigger::DisplacementTrigger;
 use crate::ledger::grain_accounting::{account_for_grains, count_released};
 use crate::ledger::{GrainState, GrainStates, Ledger, watch_paths};
-use crate::messages::GrainLost;
-use crate::particle::GrainId;
-use crate::particles::Particles;
-use crate::persist::PersistApp as _;
-use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
-use crate::store::PlainCommands;
-use crate::values::Finite;
+use siloflow_dem::displacement_trigger::DisplacementTrigger;
+use siloflow_dem::messages::GrainLost;
+use siloflow_dem::particle::GrainId;
+use siloflow_dem::particles::Particles;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::PlainCommands;
+use siloflow_dem::values::Finite;
 
 /// The scene key `cull`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

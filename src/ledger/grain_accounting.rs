@@ -12,13 +12,13 @@ use serde::{Deserialize, Serialize};
 use crate::ledger::cull::Culled;
 use crate::ledger::departures::Departures;
 use crate::ledger::format_position;
-use crate::messages::{GrainLost, GrainOut, GrainReleased};
-use crate::outcome::{Failure, Outcome};
-use crate::particle::GrainId;
-use crate::persist::{PersistApp as _, Problem};
-use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
-use crate::store::{BeforeRenumbering, ParticleStore, Renumber};
+use siloflow_dem::messages::{GrainLost, GrainOut, GrainReleased};
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::particle::GrainId;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::{BeforeRenumbering, ParticleStore, Renumber};
 
 /// The scene key `on_loss`: effect of a lost grain on the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]

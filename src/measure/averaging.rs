@@ -5,8 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::step::Clock;
-use crate::values::{NonNegative, Positive};
+use siloflow_dem::step::Clock;
+use siloflow_dem::values::{NonNegative, Positive};
 
 /// Samples at intervals, averaged over windows of time.
 #[derive(Clone, Copy, Debug)]

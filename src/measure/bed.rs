@@ -13,13 +13,13 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::ObserveStage;
-use crate::messages::CameToRest;
-use crate::particles::Particles;
-use crate::persist::PersistApp as _;
-use crate::space::Vector;
-use crate::step::Step;
-use crate::store::PlainCommands;
-use crate::values::FiniteVector;
+use siloflow_dem::messages::CameToRest;
+use siloflow_dem::particles::Particles;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::Vector;
+use siloflow_dem::step::Step;
+use siloflow_dem::store::PlainCommands;
+use siloflow_dem::values::FiniteVector;
 
 /// The scene key `bed`: a window inside the bed at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -37,10 +37,10 @@ use serde::{Deserialize, Serialize};
 
 pub use self::blocks::{Blocks, FEWEST_BLOCKS, MOST_BLOCKS};
 pub use self::grid::Grid;
-use crate::contact::{Memory, Pair};
-use crate::space::{Dimension, Space};
-use crate::survey::{Partner, Survey};
-use crate::values::{Finite, NonNegative, Positive};
+use siloflow_dem::contact::{Memory, Pair};
+use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::survey::{Partner, Survey};
+use siloflow_dem::values::{Finite, NonNegative, Positive};
 
 /// One entry of the scene key `fields`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

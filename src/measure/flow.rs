@@ -20,7 +20,7 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use crate::values::{Positive, Share};
+use siloflow_dem::values::{Positive, Share};
 
 /// The scene key `flow`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

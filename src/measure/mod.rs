@@ -20,10 +20,10 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::outcome::Outcome;
-use crate::persist::PersistApp as _;
-use crate::step::{Clock, Part, Phase, Step};
-use crate::store::{KickAppliedAtEnd, register_predictable};
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::step::{Clock, Part, Phase, Step};
+use siloflow_dem::store::{KickAppliedAtEnd, register_predictable};
 
 /// The stages of [`Phase::Observe`], in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

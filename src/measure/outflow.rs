@@ -17,9 +17,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::fields::Blocks;
-use crate::particle::GrainId;
-use crate::space::Space;
-use crate::values::{Finite, FiniteVector, NonNegative, Positive};
+use siloflow_dem::particle::GrainId;
+use siloflow_dem::space::Space;
+use siloflow_dem::values::{Finite, FiniteVector, NonNegative, Positive};
 
 /// Number of blocks of a window.
 pub const BLOCKS: usize = 16;

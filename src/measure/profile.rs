@@ -19,11 +19,11 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::particle::Species;
-use crate::persist::Problem;
-use crate::space::{Dimension, Space};
-use crate::store::ParticleStore;
-use crate::values::{Finite, NonNegative, Positive};
+use siloflow_dem::particle::Species;
+use siloflow_dem::persist::Problem;
+use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::store::ParticleStore;
+use siloflow_dem::values::{Finite, NonNegative, Positive};
 
 /// One entry of the scene key `profiles`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -228,11 +228,11 @@ impl<V: Space> Sampler<V> {
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
-    use crate::particle::GrainId;
-    use crate::periodic::{Periodic, PeriodicSides};
-    use crate::space::{Plane, Solid};
-    use crate::store::Body;
     use bevy_ecs::prelude::Entity;
+    use siloflow_dem::particle::GrainId;
+    use siloflow_dem::periodic::{Periodic, PeriodicSides};
+    use siloflow_dem::space::{Plane, Solid};
+    use siloflow_dem::store::Body;
 
     fn store<V: Space>(grains: &[(V, V, f64)]) -> ParticleStore<V> {
         let mut store = ParticleStore::default();

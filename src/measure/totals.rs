@@ -6,9 +6,9 @@
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::gravity::Gravity;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::survey::{Partner, Survey};
+use siloflow_dem::gravity::Gravity;
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::survey::{Partner, Survey};
 
 /// Results of the measurement, SI.
 #[derive(Clone, Copy, Debug, Default, Serialize)]

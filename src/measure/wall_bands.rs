@@ -12,12 +12,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::persist::Problem;
-use crate::space::Space;
-use crate::survey::{Partner, Survey};
-use crate::values::{Finite, NonNegative, Positive};
-use crate::walls::area::area_between;
-use crate::walls::surfaces::Surface;
+use siloflow_dem::persist::Problem;
+use siloflow_dem::space::Space;
+use siloflow_dem::survey::{Partner, Survey};
+use siloflow_dem::values::{Finite, NonNegative, Positive};
+use siloflow_dem::walls::area::area_between;
+use siloflow_dem::walls::surfaces::Surface;
 
 /// One entry of the scene key `wall_bands`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -20,21 +20,21 @@ use bevy_ecs::prelude::*;
 
 use self::file::{FORMAT, Header};
 use crate::ending::StopRequest;
-use crate::outcome::{End, Failure, Outcome};
 use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::run_directory::{
     RunDirectory, checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints,
 };
-use crate::own_files;
-use crate::persist;
-use crate::persist::{CheckpointConfig, CheckpointFigures};
-use crate::step::Clock;
-use crate::store;
 use crate::writers::disk;
 use crate::writers::fnv::Fnv;
 use crate::writers::frame_writer::{FrameWriter, Guard};
 use crate::writers::run_files::RunFiles;
 use crate::writers::whole_file::{remove_if_there, write_synced};
+use siloflow_dem::outcome::{End, Failure, Outcome};
+use siloflow_dem::persist;
+use siloflow_dem::persist::{CheckpointConfig, CheckpointFigures};
+use siloflow_dem::step::Clock;
+use siloflow_dem::store;
+use siloflow_files::own_files;
 
 /// Largest share of the wall-clock time that checkpoints take by default.
 const LARGEST_SHARE: f64 = 0.01;

@@ -6,7 +6,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::output::summary::Cost;
-use crate::persist::PersistApp as _;
+use siloflow_dem::persist::PersistApp as _;
 
 /// The cost of a run so far.
 #[derive(Resource)]

@@ -20,12 +20,12 @@ use bevy_ecs::prelude::*;
 use crate::ledger::Ledger;
 use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::outcome::Outcome;
-use crate::particles::Motion;
-use crate::persist::PersistApp as _;
-use crate::space::Plane;
-use crate::step::Step;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::particles::Motion;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::Plane;
+use siloflow_dem::step::Step;
 
 #[derive(Resource)]
 struct FlowSampler {

@@ -17,14 +17,14 @@ use std::fmt::Write as _;
 
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::{ClocksRead, due};
-use crate::outcome::{Failure, Outcome};
-use crate::persist::PersistApp as _;
-use crate::persist::Problem;
 use crate::scene::outputs::Series;
-use crate::space::Dimension;
-use crate::step::{Part, Phase, Step};
 use crate::writers::rows::{Rows, RowsPlace};
 use crate::writers::whole_file::remove_if_there;
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::persist::Problem;
+use siloflow_dem::space::Dimension;
+use siloflow_dem::step::{Part, Phase, Step};
 
 /// Largest number of lost grains that the summary lists.
 pub const IN_SUMMARY: usize = 100;

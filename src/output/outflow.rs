@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::ledger::GrainsAccounted;
 use crate::measure::ObserveStage;
 use crate::measure::outflow::{Outflow, OutflowFigures, OutflowSums, SAMPLES};
-use crate::messages::{GrainOut, GrainReleased};
-use crate::particle::GrainId;
-use crate::particles::Motion;
-use crate::persist::{PersistApp as _, Problem};
-use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
-use crate::store::register_predictable;
+use siloflow_dem::messages::{GrainOut, GrainReleased};
+use siloflow_dem::particle::GrainId;
+use siloflow_dem::particles::Motion;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_dem::store::register_predictable;
 
 /// The window of the scene, and its largest species.
 #[derive(Resource)]

@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::persist::PersistApp as _;
+use siloflow_dem::persist::PersistApp as _;
 
 /// The run from whose state this run started.
 #[derive(Resource, Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -22,16 +22,16 @@ use bevy_ecs::prelude::*;
 use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::profile::{Profile, Sampler, SavedSampler};
 use crate::measure::{ObserveStage, due};
-use crate::outcome::Outcome;
-use crate::particle::Species;
-use crate::particles::Motion;
-use crate::persist::PersistApp as _;
-use crate::persist::Problem;
 use crate::scene::outputs::Series;
-use crate::space::Space;
-use crate::step::{Clock, Step};
-use crate::store::register_predictable;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::particle::Species;
+use siloflow_dem::particles::Motion;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::persist::Problem;
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{Clock, Step};
+use siloflow_dem::store::register_predictable;
 
 /// A profile that is being averaged, of one species or of all.
 #[derive(Clone)]

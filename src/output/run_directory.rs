@@ -50,16 +50,16 @@ pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};
 use self::stage::Stage;
 pub use self::usage::{Use, holds_run, watch};
-use crate::fault::Fault;
-use crate::own_files;
-use crate::source::Source;
-use crate::source::places;
 use crate::writers::disk::{self, DiskFile, remove_if_there};
 use crate::writers::frame_writer::Guard;
 use crate::writers::hashes::{self, SummaryFiles};
 use crate::writers::rows::RowsPlace;
 use crate::writers::run_files::{Counted, RunFiles};
 use crate::writers::whole_file::{part_of, write_synced, write_with};
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::source::Source;
+use siloflow_text::source::places;
 
 /// A run directory that this process has locked.
 #[derive(Debug)]

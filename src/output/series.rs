@@ -21,18 +21,18 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::energy::EnergyFlows;
-use crate::gravity::Gravity;
 use crate::ledger::Ledger;
 use crate::measure::outputs::{self, SeriesValues};
 use crate::measure::totals::Totals;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::outcome::Outcome;
-use crate::persist::PersistApp as _;
 use crate::scene::outputs::Series;
-use crate::space::Space;
-use crate::step::{Clock, Step};
-use crate::survey::SurveyParam;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use siloflow_dem::gravity::Gravity;
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::Space;
+use siloflow_dem::step::{Clock, Step};
+use siloflow_dem::survey::SurveyParam;
 
 /// Returns siloflow's own columns of the file; `tracks_energy` adds those of the energy balance.
 pub(crate) fn header(tracks_energy: bool) -> String {

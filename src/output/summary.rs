@@ -10,37 +10,37 @@ use std::ops::Add;
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::contact::{Contact, LargestOverlap};
 use crate::door::DoorState;
 use crate::ending::EmptyTime;
+use crate::ending::stop::kick::{Avalanche, Avalanches};
 use crate::energy::{Channels, EnergyFlows};
 use crate::grains::feed::FeedFigures;
 use crate::grains::spawner::ReleaseDelays;
-use crate::integrate::Integrator;
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::bed::BedFigures;
 use crate::measure::discharge::Discharge;
 use crate::measure::outflow::OutflowFigures;
 use crate::measure::outputs::{self, Values};
 use crate::measure::totals;
-use crate::neighbours::Rebuilds;
-use crate::outcome::End;
 use crate::output::losses::IN_SUMMARY;
 use crate::output::parent::Parent;
 use crate::output::{outflow, state_hash};
-use crate::persist::CheckpointFigures;
 use crate::rest::RestDetector;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::step::Clock;
-use crate::stop::kick::{Avalanche, Avalanches};
-use crate::store::ParticleStore;
-use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::hashes::SummaryFiles;
 use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
 use crate::writers::run_files::Damage;
+use siloflow_dem::contact::{Contact, LargestOverlap};
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::neighbours::Rebuilds;
+use siloflow_dem::outcome::End;
+use siloflow_dem::persist::CheckpointFigures;
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::step::Clock;
+use siloflow_dem::store::ParticleStore;
+use siloflow_dem::threads::Threads;
 
 /// Content of `summary.json`.
 #[derive(Debug, Serialize)]

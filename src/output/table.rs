@@ -5,8 +5,9 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord};
 
-use crate::fault::Fault;
-use crate::source::files;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 /// A CSV file with access by column.
 #[derive(Clone, Debug)]
@@ -23,7 +24,7 @@ impl Table {
     /// If the file cannot be read, or its rows differ in length. The fault has the help text `help` if the file cannot be read.
     pub fn read(path: &Path, help: &str) -> Result<Self, Fault> {
         let shown = path.display().to_string();
-        let text = files::read_own_text(path, files::RESULT_BYTES).map_err(|error| {
+        let text = own_files::read_text(path, file::RESULT_BYTES).map_err(|error| {
             Fault::new("results::unreadable", format!("could not read {shown}: {error}")).help(help)
         })?;
         Self::parse(shown, &text)

@@ -19,7 +19,6 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::fault::Fault;
 use crate::output::checkpoint::file::{self, Header, OtherFormat};
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::run_directory::integrity::{Moment, problem};
@@ -27,9 +26,11 @@ use crate::output::run_directory::names::{CHECKPOINTS, FRAME_DATA, HASHES, SUMMA
 use crate::output::run_directory::{
     MARKER, Use, checkpoints_directory, checkpoints_in, frame_data_of, holds_run, watch,
 };
-use crate::source::files::{RESULT_BYTES, read_own_bytes};
 use crate::writers::hashes;
 use crate::writers::run_files::FileRecord;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::file::RESULT_BYTES;
 
 /// The state of a run directory.
 #[derive(Debug, Serialize)]
@@ -252,5 +253,5 @@ impl Verification {
 /// Reads a text file of a run. Links are not followed.
 fn read_text(run: &Path, name: &str) -> io::Result<String> {
     // A wrong byte shows in the hash.
-    read_own_bytes(&run.join(name), RESULT_BYTES).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+    own_files::read_bytes(&run.join(name), RESULT_BYTES).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -18,13 +18,13 @@ use bevy_ecs::prelude::*;
 use crate::measure::ObserveStage;
 use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::wall_bands::{BandSampler, SavedBands, WallBands};
-use crate::outcome::Outcome;
-use crate::persist::{PersistApp as _, Problem};
-use crate::space::{Dimension, Space};
-use crate::step::{Clock, Step};
-use crate::store::register_predictable;
-use crate::survey::SurveyParam;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::step::{Clock, Step};
+use siloflow_dem::store::register_predictable;
+use siloflow_dem::survey::SurveyParam;
 
 /// Bands that are being averaged.
 struct Running {

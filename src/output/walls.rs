@@ -18,14 +18,14 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::{ObserveStage, due};
-use crate::outcome::Outcome;
-use crate::persist::{PersistApp as _, Problem};
 use crate::scene::outputs::Series;
-use crate::space::{Dimension, Space};
-use crate::step::{Clock, Part, Phase, Step};
-use crate::store::KickAppliedAtEnd;
-use crate::walls::surfaces::Surfaces;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::step::{Clock, Part, Phase, Step};
+use siloflow_dem::store::KickAppliedAtEnd;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Sums of force, N, and torque, N m, over steps.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]

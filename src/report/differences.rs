@@ -8,9 +8,10 @@ use std::fmt::Write as _;
 
 use crate::report::html::{Section, code, escape, scrolled};
 use crate::report::run::Run;
-use crate::source::files;
-use crate::source::places::Places;
 use crate::writers::fnv::Fnv;
+use siloflow_files::own_files;
+use siloflow_text::file;
+use siloflow_text::source::places::Places;
 
 /// Most rows of the table.
 const MOST_ROWS: usize = 200;
@@ -72,7 +73,7 @@ fn values(run: &Run) -> BTreeMap<String, Written> {
     let entries = std::fs::read_dir(&run.files.directory).into_iter().flatten().filter_map(Result::ok);
     for name in entries.filter_map(|entry| entry.file_name().into_string().ok()) {
         let is_input = name.starts_with("input-");
-        if is_input && let Ok(bytes) = files::read_own_bytes(&run.files.directory.join(&name), files::GRAIN_BYTES) {
+        if is_input && let Ok(bytes) = own_files::read_bytes(&run.files.directory.join(&name), file::GRAIN_BYTES) {
             let mut hash = Fnv::default();
             hash.update(&bytes);
             let text = format!("content with the hash {:016x}", hash.value());

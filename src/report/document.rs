@@ -18,7 +18,7 @@ use crate::report::run::Run;
 use crate::report::{
     accounting, behaviours, differences, discharge, energy, overview, profiles, provenance, step, walls,
 };
-use crate::text::{cut, for_terminal};
+use siloflow_text::safe::{cut, for_terminal};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");

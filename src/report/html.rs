@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use crate::text::{for_terminal, for_xml};
+use siloflow_text::safe::{for_terminal, for_xml};
 
 /// Most characters of a value that a table shows.
 const LONGEST_VALUE: usize = 120;
@@ -21,7 +21,7 @@ pub fn escape(text: &str) -> String {
 /// Returns a value of a scene, cut and escaped, as code.
 #[must_use]
 pub fn code(text: &str) -> String {
-    format!("<code>{}</code>", escape(&crate::text::cut(text, LONGEST_VALUE)))
+    format!("<code>{}</code>", escape(&siloflow_text::safe::cut(text, LONGEST_VALUE)))
 }
 
 /// Returns a message as HTML, with what it puts between backticks as code.

@@ -28,11 +28,11 @@ use std::path::Path;
 
 use crate::charts::run_files::RunFiles;
 use crate::charts::{self, Figure};
-use crate::fault::Fault;
 use crate::report::document::Contents;
 use crate::report::player::Packed;
 use crate::report::run::Run;
 use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
+use siloflow_text::fault::Fault;
 
 /// Most runs of one report.
 pub const MOST_RUNS: usize = 12;

@@ -7,12 +7,13 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::charts::run_files::RunFiles;
-use crate::fault::Fault;
 use crate::output::run_directory::scene_of;
 use crate::output::table::Table;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::source::files;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 /// A run of a report.
 #[derive(Debug)]
@@ -37,7 +38,7 @@ impl Run {
         }
         let scene = scene_of(path);
         Ok(Self {
-            scene_text: files::read_own_text(&scene, files::SCENE_BYTES).unwrap_or_default(),
+            scene_text: own_files::read_text(&scene, file::SCENE_BYTES).unwrap_or_default(),
             scene: load::named(&scene, &files.name).map_err(|fault| fault.to_string()),
             files,
         })

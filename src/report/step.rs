@@ -3,8 +3,7 @@
 
 use std::fmt::Write as _;
 
-use crate::fault::Warning;
-use crate::lattice;
+use crate::lattice_silo;
 use crate::report::html::{Section, code, escape, list, message};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
@@ -12,6 +11,7 @@ use crate::scene::TimeStep;
 use crate::scene::check::automatic::{automatic, expected_error};
 use crate::scene::check::{self, Estimates};
 use crate::scene::loaded::{AnyScene, Loaded};
+use siloflow_text::fault::Warning;
 
 /// The section of the step and its error.
 #[must_use]
@@ -70,7 +70,7 @@ fn remarks(run: &Run, has_name: bool) -> String {
     let name = if has_name { format!("<strong><bdi>{}</bdi></strong>: ", escape(run.label())) } else { String::new() };
     let warnings = match &run.scene {
         Ok(AnyScene::Grains(loaded)) => check::warnings(loaded),
-        Ok(AnyScene::Lattice(loaded)) => lattice::check::warnings(loaded),
+        Ok(AnyScene::Lattice(loaded)) => lattice_silo::check::warnings(loaded),
         Err(error) => return format!("<p>{name}the scene of the run cannot be examined: {}</p>\n", escape(error)),
     };
     let item = |warning: &Warning| {

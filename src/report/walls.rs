@@ -10,7 +10,7 @@ use crate::report::html::{Section, escape, quantity, scrolled};
 use crate::report::run::Run;
 use crate::report::table;
 use crate::scene::loaded::AnyScene;
-use crate::walls::config::Wall;
+use siloflow_dem::walls::config::Wall;
 
 /// Most walls that are listed.
 const MOST_WALLS: usize = 60;

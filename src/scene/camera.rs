@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::space::{Dimension, Solid, Vector};
+use siloflow_dem::space::{Dimension, Solid, Vector};
 
 /// The scene's `pictures.direction`: where the observer looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]

@@ -8,15 +8,15 @@
 
 use crate::grains::feed::Feed;
 use crate::measure::fields::Layout;
-use crate::particle::GrainId;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Format;
 use crate::scene::view;
-use crate::values::Positive;
 use crate::writers::svg;
 use crate::writers::volume::Output;
+use siloflow_dem::particle::GrainId;
+use siloflow_dem::values::Positive;
 
 /// Memory of a grain, B.
 pub const BYTES_PER_GRAIN: f64 = 1000.0;

@@ -9,7 +9,7 @@
 use crate::measure::fields::{Layout, MOST_BLOCKS};
 use crate::scene::expected::shapes;
 use crate::scene::loaded::{AnyScene, Loaded};
-use crate::walls::config::Wall;
+use siloflow_dem::walls::config::Wall;
 
 /// Most bytes that do not depend on the scene: departures, kicks, sums over a run.
 const BASE: u64 = 16 << 20;

@@ -8,18 +8,19 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub use self::start_state::{StartState, started_from};
-use crate::contact::history::remembered::{self, Remembered};
-use crate::fault::Fault;
 use crate::grains::file::{self, Kind};
-use crate::lattice::load::LoadedLattice;
+use crate::lattice_silo::load::LoadedLattice;
 use crate::scene::check::{Estimates, automatic};
 use crate::scene::loaded::{AnyScene, Loaded};
-use crate::scene::{Method, Scene, TimeStep, rules};
-use crate::source::{Source, files};
-use crate::walls::config::Wall;
-use crate::walls::mesh;
-use crate::walls::motion::table::Curve;
-use crate::walls::silo_file::{self, SiloGeometry};
+use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
+use siloflow_dem::contact::history::remembered::{self, Remembered};
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::mesh;
+use siloflow_dem::walls::motion::table::Curve;
+use siloflow_dem::walls::silo_file::{self, SiloGeometry};
+use siloflow_text::fault::Fault;
+use siloflow_text::file::{self as input, GRAIN_BYTES, MESH_BYTES, SILO_BYTES, TABLE_BYTES};
+use siloflow_text::source::Source;
 
 /// Loads the scene at `path`, each of `settings` (key path, value as RON) applied to its text first.
 ///
@@ -68,8 +69,8 @@ fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
         let Wall::Mesh { file, unit, triangles, .. } = wall else { continue };
         let key = format!("walls[{index}].file");
         let path = loaded.source.name_file(&key, file);
-        let bytes = files::read_bytes(&path, files::MESH_BYTES)
-            .map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
+        let bytes =
+            input::read_bytes(&path, MESH_BYTES).map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
         let read = mesh::read(&path, &bytes, *unit).map_err(|message| {
             let message = format!("{}: {message}", path.display());
             loaded.source.fault("scene::mesh", &key, message).help("give a mesh of triangles with an area, each once")
@@ -86,8 +87,8 @@ fn read_tables(loaded: &mut Loaded) -> Result<(), Fault> {
         for (key, file, curve, count) in motion.tables(components) {
             let key = format!("motions[{index}].{key}");
             let path = loaded.source.name_file(&key, file);
-            let text = files::read_text(&path, files::TABLE_BYTES)
-                .map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
+            let text =
+                input::read_text(&path, TABLE_BYTES).map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
             let read = Curve::parse(&text, count).map_err(|message| {
                 let message = format!("{}: {message}", path.display());
                 loaded.source.fault("scene::table", &key, message).help(
@@ -132,6 +133,7 @@ fn from_source(source: Source, settings: &[(String, String)]) -> Result<Loaded, 
 
 /// Loads a scene from its text, without finding the partners of its contacts.
 fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
+    source.reference = KEYS;
     let scene: Scene = source.parse(settings)?;
     if scene.method != Method::Grains {
         return Err(source
@@ -151,7 +153,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
-        let text = files::read_text(&path, files::SILO_BYTES)
+        let text = input::read_text(&path, SILO_BYTES)
             .map_err(|error| loaded.source.unreadable("silo.file", &path, &error))?;
         loaded.silo = silo_file::parse(&path.display().to_string(), &text, silo.unit)?;
     }
@@ -184,7 +186,7 @@ fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fa
     let rows = match source.text_for(key) {
         Some(text) => remembered::read(text.as_bytes()),
         None => remembered::read(
-            files::open_text(&path, files::GRAIN_BYTES).map_err(|error| source.unreadable(key, &path, &error))?,
+            input::open_text(&path, GRAIN_BYTES).map_err(|error| source.unreadable(key, &path, &error))?,
         ),
     };
     rows.map_err(|problem| {

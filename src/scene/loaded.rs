@@ -3,25 +3,25 @@
 mod images;
 mod walls;
 
-use crate::contact::config::Contact;
-use crate::contact::history::remembered::Remembered;
-use crate::contact::selection::Contacts;
-use crate::fault::{Fault, Warning};
 use crate::grains::file::GrainRow;
 use crate::grains::fill::FixedGrain;
 use crate::grains::spawner::RadiusLaw;
-use crate::integrate::Integrator;
-use crate::lattice::load::LoadedLattice;
+use crate::lattice_silo::load::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
 use crate::measure::profile::Profile;
-use crate::neighbours::Neighbours;
 use crate::scene::check::Estimates;
 use crate::scene::{Scene, TimeStep};
-use crate::source::Source;
-use crate::space::{Dimension, Space};
-use crate::spin::InertiaLaw;
-use crate::values::Positive;
-use crate::walls::silo_file::SiloGeometry;
+use siloflow_dem::contact::config::Contact;
+use siloflow_dem::contact::history::remembered::Remembered;
+use siloflow_dem::contact::selection::Contacts;
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::neighbours::Neighbours;
+use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::spin::InertiaLaw;
+use siloflow_dem::values::Positive;
+use siloflow_dem::walls::silo_file::SiloGeometry;
+use siloflow_text::fault::{Fault, Warning};
+use siloflow_text::source::Source;
 
 /// A scene of grains that is ready to run.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! The scene: one RON file that describes the silo. [`Scene`] is a scene of grains.
 //!
 //! This file lists the sections. The keys of a section are documented in the module of its behaviour. All numbers are in
-//! SI units. The type of a number enforces its range ([`values`](crate::values)). Rules between keys are in [`rules`]. The
-//! byte range of each key, for messages and for `--set`, comes from [`source`](crate::source).
+//! SI units. The type of a number enforces its range ([`values`](siloflow_dem::values)). Rules between keys are in [`rules`]. The
+//! byte range of each key, for messages and for `--set`, comes from [`source`](siloflow_text::source).
 
 pub mod camera;
 pub mod check;
@@ -21,17 +21,16 @@ use std::num::NonZeroU32;
 use ron::value::RawValue;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::Contact;
-use crate::contact::config::PairOfSpecies;
-use crate::contact::hertz::Material;
 use crate::door::{DoorControl, DoorOpens, NamedDoor};
+use crate::ending::stop::StopCondition;
+use crate::ending::stop::kick::Kick;
+use crate::ending::watchdog::Watchdog;
 use crate::grains::feed::Feed;
 use crate::grains::file::GrainFile;
 use crate::grains::fill::Fill;
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::Spawner;
-use crate::integrate::Integrator;
-pub use crate::lattice::scene::Method;
+pub use crate::lattice_silo::scene::Method;
 use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
 use crate::measure::fields::Field;
@@ -39,20 +38,24 @@ use crate::measure::flow::Flow;
 use crate::measure::outflow::Outflow;
 use crate::measure::profile::Profile;
 use crate::measure::wall_bands::WallBands;
-use crate::neighbours::Neighbours;
-use crate::periodic::PeriodicSides;
-use crate::persist::{CheckpointConfig, default_checkpoint};
 use crate::rest::Rest;
 use crate::scene::outputs::{DataFrames, Pictures, Series};
-use crate::space::Dimension;
-use crate::spin::InertiaLaw;
-use crate::stop::StopCondition;
-use crate::stop::kick::Kick;
-use crate::values::{FiniteVector, ImpactError, Positive};
-use crate::walls::config::Wall;
-use crate::walls::motion::Motion;
-use crate::walls::silo_file::Silo;
-use crate::watchdog::Watchdog;
+use siloflow_dem::contact::Contact;
+use siloflow_dem::contact::config::PairOfSpecies;
+use siloflow_dem::contact::hertz::Material;
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::neighbours::Neighbours;
+use siloflow_dem::periodic::PeriodicSides;
+use siloflow_dem::persist::{CheckpointConfig, default_checkpoint};
+use siloflow_dem::space::Dimension;
+use siloflow_dem::spin::InertiaLaw;
+use siloflow_dem::values::{FiniteVector, ImpactError, Positive};
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::motion::Motion;
+use siloflow_dem::walls::silo_file::Silo;
+
+/// The page of reference of the keys, for the help of errors.
+pub(crate) const KEYS: &str = include_str!("../../docs/reference/scene-file.md");
 
 /// A parsed scene.
 #[derive(Debug, Deserialize, Serialize)]
@@ -64,7 +67,7 @@ pub struct Scene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// Named values for expressions: [`crate::source::parameters`].
+    /// Named values for expressions: [`siloflow_text::source::parameters`].
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
     /// Grains here; scenes of another method have other keys.

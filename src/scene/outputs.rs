@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scene::camera::Direction;
-use crate::values::{Finite, FiniteVector, Positive};
+use siloflow_dem::values::{Finite, FiniteVector, Positive};
 
 /// The scene's `pictures`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -3,9 +3,9 @@
 use crate::scene::camera::Camera;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
-use crate::space::{Dimension, Linear as _, Plane, Solid, Space, Vector};
-use crate::walls::shapes::Shape as _;
-use crate::walls::surfaces::Surface;
+use siloflow_dem::space::{Dimension, Linear as _, Plane, Solid, Space, Vector};
+use siloflow_dem::walls::shapes::Shape as _;
+use siloflow_dem::walls::surfaces::Surface;
 
 /// Returns lower left and upper right corner (m) of the pictures: as the scene gives them, or around all of it.
 #[must_use]

@@ -9,28 +9,28 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
-use crate::contact::ContactsAtStart;
 use crate::ending::StopRequest;
-use crate::engine::Engine;
-use crate::fault::Fault;
 use crate::grains::spawner::Pending;
-use crate::gravity::Gravity;
-use crate::instructions::Instructions;
 use crate::measure::outputs::{self, Reserved};
-use crate::outcome::Outcome;
 use crate::output::frame_data::TAKEN_NAMES;
 use crate::output::run_directory;
 use crate::output::series;
-use crate::persist::{self, PersistApp as _, Section, UnknownState};
 use crate::plugins::{AddPaths, add_all, planar_paths, solid_paths};
 use crate::scene::loaded::Loaded;
 use crate::simulation::{Additions, Simulation};
-use crate::source::Source;
-use crate::space::{Dimension, Plane, Solid};
-use crate::step::{Clock, Part, Step};
-use crate::store;
-use crate::threads::Threads;
-use crate::walls::surfaces::{self, LeavingWalls, Surfaces, WallIndex};
+use siloflow_dem::contact::ContactsAtStart;
+use siloflow_dem::engine::Engine;
+use siloflow_dem::gravity::Gravity;
+use siloflow_dem::instructions::Instructions;
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::persist::{self, PersistApp as _, Section, UnknownState};
+use siloflow_dem::space::{Dimension, Plane, Solid};
+use siloflow_dem::step::{Clock, Part, Step};
+use siloflow_dem::store;
+use siloflow_dem::threads::Threads;
+use siloflow_dem::walls::surfaces::{self, LeavingWalls, Surfaces, WallIndex};
+use siloflow_text::fault::Fault;
+use siloflow_text::source::Source;
 
 impl Simulation {
     /// Completes the app of a scene of grains.

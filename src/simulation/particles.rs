@@ -3,17 +3,17 @@
 use bevy_ecs::prelude::*;
 
 use crate::grains::file::GrainRow;
-use crate::messages::GrainReleased;
-use crate::particle::{Door, Force, GrainBundle, GrainId, Species, wall_grain};
-use crate::periodic::Periodic;
 use crate::scene::loaded::Loaded;
-use crate::space::{Linear, Space};
-use crate::spin::{InertiaLaw, Torque};
-use crate::store::ParticleStore;
-use crate::table_sort::sort_newcomers;
-use crate::walls::conveyor::Conveyed;
-use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::{Surfaces, WallIndex};
+use siloflow_dem::messages::GrainReleased;
+use siloflow_dem::particle::{Door, Force, GrainBundle, GrainId, Species, wall_grain};
+use siloflow_dem::periodic::Periodic;
+use siloflow_dem::space::{Linear, Space};
+use siloflow_dem::spin::{InertiaLaw, Torque};
+use siloflow_dem::store::ParticleStore;
+use siloflow_dem::table_sort::sort_newcomers;
+use siloflow_dem::walls::conveyor::Conveyed;
+use siloflow_dem::walls::silo_file::Disc;
+use siloflow_dem::walls::surfaces::{Surfaces, WallIndex};
 
 /// Spawns wall grains, door grains, wall surfaces and the grains of the start. With `has_loads` grains get forces and torques as
 /// components at once: tables keep their memory when all grains leave them for such a component later.

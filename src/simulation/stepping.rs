@@ -6,12 +6,12 @@ use std::sync::atomic::AtomicUsize;
 use bevy_ecs::prelude::*;
 
 use crate::ending::StopRequest;
-use crate::outcome::{End, Outcome};
 use crate::output::checkpoint;
 use crate::simulation::Simulation;
-use crate::step::{Clock, Step};
-use crate::store;
-use crate::threads::Threads;
+use siloflow_dem::outcome::{End, Outcome};
+use siloflow_dem::step::{Clock, Step};
+use siloflow_dem::store;
+use siloflow_dem::threads::Threads;
 
 impl Simulation {
     /// Runs step zero if it has not run, else one step. Returns the end of the run once there is one; from then on it

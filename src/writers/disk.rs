@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use crate::own_files;
+use siloflow_files::own_files;
 
 #[cfg(test)]
 #[cfg(target_os = "linux")]

@@ -13,12 +13,12 @@ use std::thread::JoinHandle;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::outcome::{Failure, Outcome};
-use crate::own_files;
-use crate::persist::PersistApp as _;
 use crate::writers::run_files::{Extent, RunFiles};
 use crate::writers::svg::Picture;
 use crate::writers::{png, whole_file};
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_files::own_files;
 
 /// Checks that the directory of the pictures is still that of the run.
 pub type Guard = Arc<dyn Fn() -> std::io::Result<()> + Send + Sync>;
@@ -191,8 +191,8 @@ fn failed(path: &Path, reason: &impl ToString) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outcome::End;
-    use crate::space::Vector;
+    use siloflow_dem::outcome::End;
+    use siloflow_dem::space::Vector;
 
     fn picture() -> Picture {
         Picture { high: Vector::ONE, width: 40.0, ..Picture::default() }

@@ -3,9 +3,9 @@
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
-use crate::persist::Problem;
 use crate::writers::disk::DiskFile;
 use crate::writers::run_files::{Extent, RunFile};
+use siloflow_dem::persist::Problem;
 
 /// An open file that grows.
 #[derive(Debug)]

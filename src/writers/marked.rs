@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-use crate::own_files;
+use siloflow_files::own_files;
 
 /// Returns an entry of a directory that has content and none of the files `markers`; `None` also if there is no directory.
 ///

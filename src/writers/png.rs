@@ -22,9 +22,9 @@ use resvg::tiny_skia::{Pixmap, PremultipliedColorU8, Transform};
 use resvg::usvg::roxmltree::{self, Document};
 use resvg::usvg::{Group, ImageHrefResolver, Node, Options, Tree, fontdb};
 
-use crate::fault::Fault;
-use crate::source::files;
 use crate::writers::whole_file;
+use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 /// Most pixels of a PNG. While it is drawn, a pixel takes up to 8 bytes.
 pub const MOST_PIXELS: f64 = 5.0e7;
@@ -197,9 +197,9 @@ fn compressed(pixels: Pixmap) -> Result<Vec<u8>, EncodingError> {
 /// If the file cannot be read, is not SVG, is beyond the limits, or the PNG cannot be written.
 pub fn render_file(path: &Path) -> Result<PathBuf, Fault> {
     let path_text = path.display();
-    let svg = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
+    let svg = file::read_text(path, file::RESULT_BYTES).map_err(|error| {
         Fault::new("render::read", format!("could not read {path_text}: {error}"))
-            .help(files::remedy(&error, "give SVG files, or run directories"))
+            .help(file::remedy(&error, "give SVG files, or run directories"))
     })?;
     let png = encode_within(svg, LONGEST_DRAWING).map_err(|error| {
         Fault::new("render::svg", format!("could not draw {path_text}: {error}"))

@@ -9,11 +9,11 @@ use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use crate::outcome::{Failure, Outcome};
-use crate::persist::Problem;
-use crate::space::Linear;
 use crate::writers::growing::Growing;
 use crate::writers::run_files::{RunFile, RunFiles};
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::persist::Problem;
+use siloflow_dem::space::Linear;
 
 /// The path of a CSV file.
 #[derive(Clone, Debug, Default)]
@@ -78,7 +78,7 @@ impl Rows {
     /// Returns the bytes of all rows so far. A checkpoint brings the files of the run to the disk before it saves this number.
     ///
     /// # Errors
-    /// None; the result fits [`persist_part`](crate::persist::PersistApp::persist_part).
+    /// None; the result fits [`persist_part`](siloflow_dem::persist::PersistApp::persist_part).
     pub fn saved(&self) -> Result<u64, Problem> {
         Ok(self.file.length())
     }

@@ -20,9 +20,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::own_files;
 use crate::writers::disk;
 use crate::writers::fnv::Fnv;
+use siloflow_files::own_files;
 
 /// Length and hash of a file or of its first part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]

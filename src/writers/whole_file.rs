@@ -9,9 +9,9 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use crate::own_files::{self, file_number};
 pub use crate::writers::disk::remove_if_there;
 use crate::writers::disk::{self, DiskFile};
+use siloflow_files::own_files::{self, file_number};
 
 /// The name ending of temporary files.
 pub const PART: &str = "part";

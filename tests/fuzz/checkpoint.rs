@@ -4,12 +4,12 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bolero::TypeGenerator;
-use siloflow::fault::Fault;
-use siloflow::lattice::load::LoadedLattice;
+use siloflow::dem::persist::Section;
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::output::checkpoint::file::{self, FORMAT, Header};
-use siloflow::persist::Section;
 use siloflow::prelude::*;
-use siloflow::source::Source;
+use siloflow::text::fault::Fault;
+use siloflow::text::source::Source;
 
 /// One change of bytes. Places are shares of the length, in 65,536ths.
 #[derive(Clone, Debug, TypeGenerator)]

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bolero::{TypeGenerator, check};
+use siloflow::dem::particle::Grain;
 use siloflow::measure::totals;
-use siloflow::particle::Grain;
 use siloflow::prelude::*;
 
 /// One choice for each key.

@@ -3,14 +3,14 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use siloflow::fault::Fault;
+use siloflow::dem::walls::silo_file::{self, LengthUnit};
 use siloflow::grains::file::{self, Kind};
-use siloflow::lattice::load::LoadedLattice;
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::scene::check;
-use siloflow::source::Source;
 use siloflow::text::encoding::decode;
-use siloflow::walls::silo_file::{self, LengthUnit};
+use siloflow::text::fault::Fault;
+use siloflow::text::source::Source;
 use siloflow::writers::png;
 
 /// Most particles or sites of a scene that is stepped.
@@ -34,7 +34,7 @@ fn with_settings(text: &str, settings: &[(String, String)]) {
     let registry = Registry::default();
     if source.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
         let Some(loaded) = show(LoadedLattice::new(source, settings)) else { return };
-        drop(siloflow::lattice::check::warnings(&loaded));
+        drop(siloflow::lattice_silo::check::warnings(&loaded));
         if loaded.sites.kinds.len() <= 100 * SMALL
             && let Some(mut run) = show(Simulation::of_lattice(&loaded, &registry, NonZeroUsize::MIN))
         {

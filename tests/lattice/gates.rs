@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use siloflow::lattice_study::claims::{CLAIMS, Verdict};
-use siloflow::lattice_study::plan::Plan;
-use siloflow::lattice_study::replica::Replica;
-use siloflow::lattice_study::results::Results;
+use siloflow::studies::study::claims::{CLAIMS, Verdict};
+use siloflow::studies::study::plan::Plan;
+use siloflow::studies::study::replica::Replica;
+use siloflow::studies::study::results::Results;
 
 /// Claims that fail with these rules, with one seed as with four. In the mass-flow silo only the order of hz holds,
 /// with a factor of 1.09 instead of 1.1.

@@ -26,8 +26,8 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use siloflow::lattice::gas::Gas;
-use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::sites::Sites;
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
 
 /// Loads a scene of `scenes/` with settings.
@@ -56,6 +56,6 @@ pub fn small_silo(rules: &str, opens: u64, keys: &str) -> LoadedLattice {
           inserts: [[(8.0, 14.0), (13.0, 9.0), (15.0, 15.0)]],
           door: (from: (6.0, 0.0), to: (15.0, 0.0), opens: At({opens})))"
     );
-    let source = siloflow::source::Source::new("small.ron", "small", Path::new(""), text);
+    let source = siloflow::text::source::Source::new("small.ron", "small", Path::new(""), text);
     LoadedLattice::new(source, &[]).unwrap_or_else(|fault| panic!("{fault}"))
 }

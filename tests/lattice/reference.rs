@@ -1,7 +1,7 @@
 //! A slow, literal reference of the lattice-gas silo automaton.
 //!
 //! It is written directly from the rules: the paper of Kozicki and Tejchman, the decisions in the module headers of
-//! `siloflow::lattice`, and the random draws of each decision. It is compared bit by bit with the fast implementation.
+//! `siloflow::lattice_silo`, and the random draws of each decision. It is compared bit by bit with the fast implementation.
 //! No value is cached that could become outdated. No pass reads a value that the same pass writes at another site.
 //! Particles are pushed to their goal, with an assertion that the place is free. The phases carry the letters of the
 //! specification.

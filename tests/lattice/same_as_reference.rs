@@ -3,9 +3,9 @@
 //! Three inputs come from the fast automaton: the kinds of the sites, the reflections (which have their own tests) and
 //! the draws of each decision.
 
-use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::rules::Walls;
 use siloflow::lattice::sites::{Kind, Sites};
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
 
 use crate::reference::{self, Reference, Reflections};

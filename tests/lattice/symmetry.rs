@@ -1,9 +1,9 @@
 //! Symmetries that no order of evaluation may break: left and right, and any number of threads.
 
-use siloflow::divergence::where_they_part;
-use siloflow::lattice::load::LoadedLattice;
-use siloflow::lattice::summary::state_hash;
-use siloflow::source::Source;
+use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::summary::state_hash;
+use siloflow::studies::diff::where_they_part;
+use siloflow::text::source::Source;
 
 use crate::{load, parts, simulation};
 

@@ -3,11 +3,11 @@
 
 use std::f64::consts::PI;
 
-use siloflow::accuracy::case::Case;
-use siloflow::accuracy::ladder::{Climb, prepare};
-use siloflow::accuracy::reference::closed::damping_ratio;
-use siloflow::accuracy::work_precision::ROUND_OFF;
-use siloflow::accuracy::{SCHEMES, cases};
+use siloflow::studies::accuracy::case::Case;
+use siloflow::studies::accuracy::ladder::{Climb, prepare};
+use siloflow::studies::accuracy::reference::closed::damping_ratio;
+use siloflow::studies::accuracy::work_precision::ROUND_OFF;
+use siloflow::studies::accuracy::{SCHEMES, cases};
 
 /// Schemes of known order for damped contacts. A new scheme adds one line.
 const ORDERS: [(&str, f64); 4] = [("Verlet", 1.0), ("Centred", 2.0), ("SymplecticEuler", 1.0), ("ExplicitEuler", 1.0)];

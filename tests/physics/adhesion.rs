@@ -6,10 +6,10 @@
 
 use std::f64::consts::PI;
 
+use siloflow::dem::space::Solid;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::space::Solid;
 
 use crate::{grain, motion, simulation, sphere, state};
 

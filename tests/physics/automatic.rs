@@ -1,17 +1,17 @@
 //! `step: Auto(error: ...)`: the rms error of impacts over the phases of the step stays within the request.
 //!
 //! A disc meets a floor, under every law of the program and from gentle to nearly elastic, smooth to sticking. The answer is the
-//! event-located reference integration of `siloflow::accuracy`.
+//! event-located reference integration of `siloflow::studies::accuracy`.
 
 use std::f64::consts::PI;
 
 use glam::DVec2;
-use siloflow::accuracy::case::{Answer, Case, Measure, Truth, disc};
-use siloflow::accuracy::reference::closed::duration;
-use siloflow::accuracy::reference::{Floor, Friction, Law, Rolling, System};
-use siloflow::accuracy::{SCHEMES, trial};
 use siloflow::scene::check::Estimates;
 use siloflow::scene::check::automatic::automatic;
+use siloflow::studies::accuracy::case::{Answer, Case, Measure, Truth, disc};
+use siloflow::studies::accuracy::reference::closed::duration;
+use siloflow::studies::accuracy::reference::{Floor, Friction, Law, Rolling, System};
+use siloflow::studies::accuracy::{SCHEMES, trial};
 
 const K: f64 = 1.0e5;
 const R: f64 = 0.04;

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::{grain, rms, simulation};
-use siloflow::contact::LargestOverlap;
+use siloflow::dem::contact::LargestOverlap;
+use siloflow::dem::store::ParticleStore;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
 
 const K: f64 = 1.0e5;
 const V: f64 = 1.0;

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use siloflow::dem::survey::Survey;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::fields::{Field, FieldSampler, Grid};
 use siloflow::prelude::*;
 use siloflow::random::Stream;
-use siloflow::survey::Survey;
 
 use crate::{grain, motion, simulation, sphere};
 

@@ -7,10 +7,10 @@ use glam::DVec3;
 
 use crate::momentum::{K, STEPS, hertz, inertia, keys, linear, momenta};
 use crate::{motion, simulation, sphere};
+use siloflow::dem::space::{Plane, Solid};
+use siloflow::dem::store::ParticleStore;
 use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
-use siloflow::space::{Plane, Solid};
-use siloflow::store::ParticleStore;
 
 /// Returns the vector from the second to the first grain, m, and the force on the first, N.
 fn pair(simulation: &Simulation, solid: bool) -> (DVec3, DVec3) {

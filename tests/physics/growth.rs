@@ -11,12 +11,12 @@
 //! s' = s + (its row of v_p' + v_p)/2. With every spring along q', nothing grows below the largest eigenvalue
 //! of K + 2 G C G = 4, G^2 = 1 + 2 R, which is the condition of `scene::check::crowd`. Springs along v_p do not count in K.
 
+use siloflow::dem::space::Solid;
 use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
 use siloflow::scene::check::Estimates;
 use siloflow::scene::load;
-use siloflow::space::Solid;
 
 use crate::matrix::{Matrix, largest_eigenvalue, spectral_radius};
 use crate::{simulation, sphere};

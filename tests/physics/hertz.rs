@@ -5,9 +5,9 @@
 
 use std::f64::consts::PI;
 
+use siloflow::dem::space::Solid;
+use siloflow::dem::store::ParticleStore;
 use siloflow::prelude::*;
-use siloflow::space::Solid;
-use siloflow::store::ParticleStore;
 
 use crate::{grain, simulation, sphere};
 

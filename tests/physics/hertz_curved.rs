@@ -6,8 +6,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use siloflow::space::Solid;
-use siloflow::store::ParticleStore;
+use siloflow::dem::space::Solid;
+use siloflow::dem::store::ParticleStore;
 
 use crate::hertz::DURATION;
 use crate::{simulation, sphere};

@@ -57,9 +57,9 @@ mod wall_shapes;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
+use siloflow::dem::space::{Dimension, Linear, Solid as DVec3};
 use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
-use siloflow::space::{Dimension, Linear, Solid as DVec3};
 
 /// Returns a planar grain with the given id, centre, velocity, radius and mass.
 pub fn grain(id: u32, position: Vector, velocity: Vector, radius: f64, mass: f64) -> GrainRow {

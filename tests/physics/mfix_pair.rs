@@ -5,8 +5,8 @@
 
 use std::f64::consts::PI;
 
+use siloflow::dem::space::Solid;
 use siloflow::prelude::*;
-use siloflow::space::Solid;
 
 use crate::{grain, motion, simulation, sphere};
 

@@ -4,9 +4,9 @@
 //! While it slides u' = -mu g and R w' = 5/2 mu g, until t_s = 2 u0/(7 mu g). After that u = R w = 5/7 u0 for any mu,
 //! and 2/7 of the energy is dissipated.
 
+use siloflow::dem::space::Solid;
 use siloflow::energy::Channels;
 use siloflow::prelude::*;
-use siloflow::space::Solid;
 
 use crate::{Motion, motion, simulation, sphere};
 

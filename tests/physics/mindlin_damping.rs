@@ -1,7 +1,7 @@
 //! Chosen damping of Mindlin's friction: a contact that sticks under a constant load swings along the plane as a damped
 //! oscillator with the surface's effective mass m/(1 + 1/q), stiffness k_t and drag c_t = share c.
 
-use siloflow::space::Solid;
+use siloflow::dem::space::Solid;
 
 use crate::{motion, simulation, sphere};
 

@@ -6,14 +6,14 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::{Motion, grain, motion, simulation, sphere};
+use siloflow::dem::survey::touching::Touching;
+use siloflow::dem::survey::{Partner, Survey};
+use siloflow::dem::walls::shapes::half_plane::HalfPlane;
+use siloflow::dem::walls::surfaces::{Surface, Surfaces};
 use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::survey::touching::Touching;
-use siloflow::survey::{Partner, Survey};
-use siloflow::walls::shapes::half_plane::HalfPlane;
-use siloflow::walls::surfaces::{Surface, Surfaces};
 
 const FRICTION: &str = "tangential: Spring(k: 2857.0, damping: OfNormal(0.5), friction: 0.4)";
 

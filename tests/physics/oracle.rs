@@ -15,7 +15,7 @@ mod compare;
 mod scene;
 mod scene_text;
 
-use siloflow::instructions::Instructions;
+use siloflow::dem::instructions::Instructions;
 use siloflow_oracle::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
 use siloflow_oracle::simulator::Scheme;
 

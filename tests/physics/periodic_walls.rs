@@ -1,7 +1,7 @@
 //! Walls at the sides of a periodic box: a grain that passes a side meets the image of the wall beyond, as if the wall stood there.
 
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::Surfaces;
 
 use crate::{Motion, grain, motion, simulation, sphere};
 

@@ -5,8 +5,8 @@
 use glam::DVec3;
 
 use crate::{motion, simulation, sphere};
+use siloflow::dem::spin::Inertia;
 use siloflow::prelude::*;
-use siloflow::spin::Inertia;
 
 pub const R: f64 = 0.04;
 pub const M: f64 = 0.16;

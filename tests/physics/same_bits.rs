@@ -5,14 +5,14 @@ use glam::DVec3;
 
 use crate::symmetry::{ADHESIVE, HERTZ, JKR, LINEAR, R, end, random_vector};
 use crate::{motion, simulation_on, simulation_with, sphere};
-use siloflow::contact::history::{History, HistoryBlock};
-use siloflow::divergence::where_they_part;
+use siloflow::dem::contact::history::{History, HistoryBlock};
+use siloflow::dem::space::Space;
+use siloflow::dem::store::ParticleStore;
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::grains::file::GrainRow;
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
-use siloflow::space::Space;
-use siloflow::store::ParticleStore;
-use siloflow::walls::surfaces::Surfaces;
+use siloflow::studies::diff::where_they_part;
 
 /// Returns grains of two sizes that fall on a floor, between walls or in a periodic box, `side` per row.
 fn fall(solid: bool, side: u32, layers: u32) -> Vec<GrainRow> {

@@ -1,7 +1,7 @@
 //! Seams between walls of any two kinds: with gaps, steps and overlaps of the size of rounded coordinates, a grain touches the union.
 
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::Surfaces;
 
 use crate::{grain, motion, simulation, sphere};
 

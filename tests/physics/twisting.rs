@@ -1,9 +1,9 @@
 //! Twisting resistance: a sphere that spins about the normal of its contact slows at the rate of the capped torque,
 //! mu_w R* F_n/I, and then swings with the spring and the dashpot until it rests.
 
+use siloflow::dem::space::Solid;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
-use siloflow::space::Solid;
 
 use crate::{motion, simulation, sphere};
 

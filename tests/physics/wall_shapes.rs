@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::Surfaces;
 
 use crate::{motion, simulation, sphere};
 

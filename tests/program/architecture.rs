@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// The sources of each crate, and the module that they belong to if the crate counts as one.
 const SOURCES: [(&str, Option<&str>); 3] =
-    [("src", None), ("crates/kernel/src", None), ("crates/automaton/src", Some("automaton"))];
+    [("src", None), ("crates/dem/src", None), ("crates/lattice/src", Some("automaton"))];
 
 /// Returns the layer of each module from the first table of `ARCHITECTURE.md`: its number, counted from the lowest.
 fn layers(page: &str) -> BTreeMap<String, usize> {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use serde::Deserialize;
-use siloflow::contact::ContactPlugin;
+use siloflow::dem::contact::ContactPlugin;
 use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
@@ -27,7 +27,7 @@ pub fn registry() -> Registry {
     registry
 }
 
-fn example(settings: &[(&str, &str)]) -> Result<Loaded, siloflow::fault::Fault> {
+fn example(settings: &[(&str, &str)]) -> Result<Loaded, siloflow::text::fault::Fault> {
     let settings: Vec<_> = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     load::load(&crate::root().join("examples/vibrating_wall.ron"), &settings)
 }

@@ -6,10 +6,10 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use siloflow::dem::persist;
 use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice::summary;
-use siloflow::persist;
+use siloflow::lattice_silo::summary;
 use siloflow::prelude::*;
 use siloflow::scene::loaded::AnyScene;
 
@@ -264,7 +264,7 @@ const HIDDEN: [(&str, &str); 10] = [
 #[test]
 fn no_state_hides_from_access_lists() {
     let mut found = Vec::new();
-    for sources in ["src", "crates/kernel/src", "crates/automaton/src"] {
+    for sources in ["src", "crates/dem/src", "crates/lattice/src"] {
         search(&root().join(sources), &root().join(sources), &mut found);
     }
     let unknown: Vec<_> =

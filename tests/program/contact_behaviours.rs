@@ -6,14 +6,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::Deserialize;
-use siloflow::contact::AnyLaw;
-use siloflow::contact::composite::Composite;
-use siloflow::contact::damping::{Attraction as Pull, Damping};
-use siloflow::contact::linear::LinearNormal;
-use siloflow::contact::rolling::NoRolling;
-use siloflow::contact::tangential::NoFriction;
+use siloflow::dem::contact::AnyLaw;
+use siloflow::dem::contact::composite::Composite;
+use siloflow::dem::contact::damping::{Attraction as Pull, Damping};
+use siloflow::dem::contact::linear::LinearNormal;
+use siloflow::dem::contact::rolling::NoRolling;
+use siloflow::dem::contact::tangential::NoFriction;
+use siloflow::dem::integrate::centred::VelocityPredictionPlugin;
 use siloflow::energy::EnergyFlows;
-use siloflow::integrate::centred::VelocityPredictionPlugin;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
 

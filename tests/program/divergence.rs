@@ -1,7 +1,7 @@
 //! The first difference of two runs: the report names the step, the grain and the quantity that the test changed.
 
-use siloflow::divergence::{Difference, Divergence, Pair, Quantity, where_they_part};
 use siloflow::prelude::*;
+use siloflow::studies::diff::{Difference, Divergence, Pair, Quantity, where_they_part};
 
 use crate::{load, simulation};
 

@@ -1,9 +1,9 @@
 //! Doors by name: each opens and shuts by its own key, and every grain that passes its place is out.
 
+use siloflow::dem::particle::Door;
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::door::DoorState;
-use siloflow::particle::Door;
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::Surfaces;
 
 use crate::{load, simulation};
 

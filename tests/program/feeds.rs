@@ -6,14 +6,14 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::Command;
 
+use siloflow::dem::persist::unregistered;
+use siloflow::dem::space::Solid;
 use siloflow::energy::EnergyFlows;
-use siloflow::fault::Fault;
 use siloflow::grains::feed::{FeedFigure, FeedFigures};
 use siloflow::measure::totals;
-use siloflow::persist::unregistered;
 use siloflow::prelude::*;
 use siloflow::scene::check;
-use siloflow::space::Solid;
+use siloflow::text::fault::Fault;
 
 use crate::command_line::text;
 use crate::{hash, simulation};

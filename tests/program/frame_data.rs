@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
+use siloflow::dem::space::Solid;
 use siloflow::output::frame_data::reader::FrameReader;
 use siloflow::output::frame_data::{Frame, Header, Table};
 use siloflow::scene::expected;
-use siloflow::space::Solid;
 
 use crate::command_line::{siloflow, text};
 

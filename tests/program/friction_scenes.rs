@@ -1,13 +1,13 @@
 //! Scenes with friction, in the plane and in solid space: their components and their behaviour.
 
-use siloflow::contact::history::History;
-use siloflow::divergence::where_they_part;
+use siloflow::dem::contact::history::History;
+use siloflow::dem::store::ParticleStore;
+use siloflow::dem::survey::Survey;
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::energy::{Channels, EnergyFlows};
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
-use siloflow::survey::Survey;
-use siloflow::walls::surfaces::Surfaces;
+use siloflow::studies::diff::where_they_part;
 
 use crate::{hash, load, simulation};
 

@@ -8,11 +8,11 @@ use std::fs;
 
 use crate::command_line::{siloflow, text};
 use crate::{hash, load, root, simulation};
-use siloflow::divergence::where_they_part;
+use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals::{self, Totals};
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::Surfaces;
+use siloflow::studies::diff::where_they_part;
 
 const DEEP: (&str, &str) = ("watchdog", "(overlap: None)");
 

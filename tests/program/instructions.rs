@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use siloflow::instructions::{Instructions, VARIABLE};
+use siloflow::dem::instructions::{Instructions, VARIABLE};
 
 use crate::command_line::text;
 

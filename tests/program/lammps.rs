@@ -8,11 +8,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
+use siloflow::dem::walls::surfaces::SurfaceWall;
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::lammps;
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::SurfaceWall;
 
 use crate::command_line::{siloflow, text};
 
@@ -618,7 +618,7 @@ fn files_of_lammps_have_all_digits() {
     simulation.run();
     let world = simulation.world_mut();
     let ours: BTreeMap<u32, f64> = world
-        .query_filtered::<(&GrainId, &Position<siloflow::space::Solid>), With<Grain>>()
+        .query_filtered::<(&GrainId, &Position<siloflow::dem::space::Solid>), With<Grain>>()
         .iter(world)
         .map(|(id, x)| (id.number(), x.0.z))
         .collect();
@@ -652,7 +652,7 @@ fn identifiers_that_lammps_does_not_have_are_refused() {
     // A fixed sphere would get the id after the largest.
     let mut loaded = on_a_floor_at(0.0, [7, GrainId::MAX_GRAIN], here.path());
     assert!(lammps::export(&loaded).is_ok());
-    let centre = siloflow::space::Solid::ZERO;
+    let centre = siloflow::dem::space::Solid::ZERO;
     let species = Species(0);
     loaded.fixed = vec![FixedGrain { position: centre, radius: 0.001, velocity: centre, species }];
     assert!(lammps::export(&loaded).unwrap_err().to_string().contains("last id"));

@@ -4,10 +4,10 @@ use std::fs;
 
 use serde::Deserialize;
 use siloflow::lattice::gas::Gas;
-use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::sites::Sites;
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
-use siloflow::source::Source;
+use siloflow::text::source::Source;
 
 use crate::command_line::siloflow;
 use crate::root;

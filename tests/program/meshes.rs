@@ -4,8 +4,8 @@ use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use siloflow::fault::Fault;
 use siloflow::prelude::*;
+use siloflow::text::fault::Fault;
 
 use crate::command_line::{siloflow, text};
 

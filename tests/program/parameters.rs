@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde::Deserialize;
-use siloflow::fault::Fault;
-use siloflow::lattice::load::LoadedLattice;
+use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::scene::check;
-use siloflow::source::Source;
+use siloflow::text::fault::Fault;
+use siloflow::text::source::Source;
 
 use crate::command_line::text;
 use crate::{hash, simulation};
@@ -180,7 +180,8 @@ fn a_lattice_gas_has_parameters_too() {
     let settings = [("until".to_owned(), "\"= 2 * steps\"".to_owned())];
     let loaded = LoadedLattice::new(Source::new("gas.ron", "gas", Path::new(""), with), &settings).unwrap();
     assert_eq!(loaded.scene.until, 14);
-    let codes: Vec<_> = siloflow::lattice::check::warnings(&loaded).into_iter().map(|warning| warning.code).collect();
+    let codes: Vec<_> =
+        siloflow::lattice_silo::check::warnings(&loaded).into_iter().map(|warning| warning.code).collect();
     assert!(codes.contains(&"check::unused_parameter"), "{codes:?}");
 }
 

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use siloflow::budget::Budget;
+use siloflow::dem::budget::Budget;
 use siloflow::prelude::*;
 use siloflow::scene::check;
 

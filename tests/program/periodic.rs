@@ -3,11 +3,11 @@
 use std::ops::Add;
 use std::path::Path;
 
+use siloflow::dem::store::ParticleStore;
 use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
 
 use crate::{hash, simulation};
 

@@ -39,7 +39,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice::summary;
+use siloflow::lattice_silo::summary;
 use siloflow::prelude::*;
 use siloflow::scene::load as loading;
 use siloflow::scene::loaded::AnyScene;
@@ -73,7 +73,7 @@ impl Row {
     }
 
     /// Loads the scene with the settings of the row.
-    pub fn load(&self) -> Result<AnyScene, siloflow::fault::Fault> {
+    pub fn load(&self) -> Result<AnyScene, siloflow::text::fault::Fault> {
         loading::any(&scene(&self.scene), &self.settings())
     }
 

@@ -4,11 +4,11 @@ use std::fs;
 use std::num::NonZeroUsize;
 
 use crate::{load, root, scene, simulation};
-use siloflow::contact::LargestOverlap;
+use siloflow::dem::contact::LargestOverlap;
+use siloflow::dem::particle::Grain;
 use siloflow::door::DoorState;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
-use siloflow::particle::Grain;
 use siloflow::prelude::*;
 use siloflow::rest::RestDetector;
 use siloflow::scene::check;

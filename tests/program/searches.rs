@@ -1,11 +1,11 @@
 //! Determinism: thread count, neighbour search, skin and components of users change no bit.
 
 use crate::{hash, load, simulation};
-use siloflow::divergence::where_they_part;
+use siloflow::dem::instructions::Instructions;
 use siloflow::energy::EnergyFlows;
-use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
-use siloflow::source::places;
+use siloflow::studies::diff::where_they_part;
+use siloflow::text::source::places;
 
 /// Starts a small fill, rest and discharge, up to its end or to 30 s.
 fn start(name: &str, neighbours: &str, threads: usize) -> Simulation {

@@ -7,13 +7,13 @@ use std::path::Path;
 use std::process::Command;
 
 use siloflow::door::DoorState;
+use siloflow::ending::stop::kick::Avalanches;
 use siloflow::energy::EnergyFlows;
-use siloflow::fault::Fault;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
 use siloflow::rest::RestDetector;
 use siloflow::scene::check;
-use siloflow::stop::kick::Avalanches;
+use siloflow::text::fault::Fault;
 
 use crate::command_line::text;
 use crate::{hash, simulation};

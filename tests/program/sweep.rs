@@ -8,8 +8,8 @@ use std::sync::Barrier;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use siloflow::sweep::Sweep;
-use siloflow::sweep::directory::SweepDirectory;
+use siloflow::studies::sweep::Sweep;
+use siloflow::studies::sweep::directory::SweepDirectory;
 
 use crate::command_line::{siloflow, text};
 
@@ -436,7 +436,8 @@ fn a_run_as_a_function_call_has_the_figures_of_the_program() {
     write_sweep(here.path(), "", "seeds: 1, figures: []");
     let settings = [("parameters.height".to_owned(), "0.6".to_owned()), ("seed".to_owned(), "4".to_owned())];
     let registry = siloflow::behaviour::Registry::default();
-    let called = siloflow::sweep::evaluate::evaluate(&here.path().join("plate.ron"), &settings, &registry).unwrap();
+    let called =
+        siloflow::studies::sweep::evaluate::evaluate(&here.path().join("plate.ron"), &settings, &registry).unwrap();
     let output =
         siloflow(here.path(), &["-q", "run", "plate.ron", "--set", "parameters.height=0.6", "--seed", "4", "--json"]);
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -444,7 +445,7 @@ fn a_run_as_a_function_call_has_the_figures_of_the_program() {
         assert_eq!(called[key], printed[key], "{key}");
     }
     let wrong = [("parameters.hight".to_owned(), "0.6".to_owned())];
-    assert!(siloflow::sweep::evaluate::evaluate(&here.path().join("plate.ron"), &wrong, &registry).is_err());
+    assert!(siloflow::studies::sweep::evaluate::evaluate(&here.path().join("plate.ron"), &wrong, &registry).is_err());
 }
 
 #[test]

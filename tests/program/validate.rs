@@ -3,7 +3,7 @@
 use std::fs;
 
 use siloflow::prelude::load;
-use siloflow::validation::cases::CASES;
+use siloflow::studies::validation::cases::CASES;
 
 use crate::command_line::{siloflow, text};
 
@@ -57,8 +57,8 @@ fn every_sweep_of_every_case_is_valid() {
     for case in CASES {
         for sweep in case.short.iter().chain(case.full) {
             let path = crate::scene("validation").join(case.name).join(sweep);
-            let sweep =
-                siloflow::sweep::Sweep::read(&path).unwrap_or_else(|fault| panic!("{}: {fault}", path.display()));
+            let sweep = siloflow::studies::sweep::Sweep::read(&path)
+                .unwrap_or_else(|fault| panic!("{}: {fault}", path.display()));
             let settings = sweep.settings(sweep.tasks()[0]);
             load::any(&sweep.scene, &settings).unwrap_or_else(|fault| panic!("{}: {fault}", path.display()));
         }

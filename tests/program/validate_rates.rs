@@ -5,11 +5,11 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::json;
-use siloflow::sweep::Sweep;
-use siloflow::sweep::directory::SweepDirectory;
-use siloflow::validation::Case;
-use siloflow::validation::runs::Studies;
-use siloflow::validation::verdict::{Row, Verdict};
+use siloflow::studies::sweep::Sweep;
+use siloflow::studies::sweep::directory::SweepDirectory;
+use siloflow::studies::validation::Case;
+use siloflow::studies::validation::runs::Studies;
+use siloflow::studies::validation::verdict::{Row, Verdict};
 
 /// Mean diameter, m; wide, deep and layers of the slot of the full form, diameters.
 const D: f64 = 0.004;

@@ -5,13 +5,13 @@ use std::fs;
 use std::num::NonZeroUsize;
 
 use serde_json::Value;
-use siloflow::divergence::where_they_part;
+use siloflow::dem::instructions::Instructions;
+use siloflow::dem::space::{Solid, Space};
+use siloflow::dem::spin::Torque;
+use siloflow::dem::store::ParticleStore;
 use siloflow::energy::{Channels, EnergyFlows};
-use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
-use siloflow::space::{Solid, Space};
-use siloflow::spin::Torque;
-use siloflow::store::ParticleStore;
+use siloflow::studies::diff::where_they_part;
 
 use crate::behaviours::registry;
 use crate::command_line::{siloflow, text};

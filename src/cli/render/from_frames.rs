@@ -15,7 +15,6 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
 use crate::cli::{help_to_write, say};
-use crate::fault::Fault;
 use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_data::{Frame, Header};
@@ -25,12 +24,13 @@ use crate::output::run_directory::names::PICTURES;
 use crate::output::run_directory::{
     Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
 };
-use crate::own_files;
 use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::writers::movie::MovieWriter;
 use crate::writers::{png, svg, whole_file};
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
 
 /// Space of a movie on a slide, px.
 const SLIDE: [f64; 2] = [960.0, 720.0];

@@ -19,8 +19,8 @@ use clap::Args;
 
 use self::options::{ColourOption, colour, positive};
 use crate::cli::exit_status::Verdict;
-use crate::fault::Fault;
 use crate::scene::camera::Direction;
+use siloflow_text::fault::Fault;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]

@@ -1,11 +1,11 @@
 //! Options of `render` as settings of pictures.
 
 use super::RenderArgs;
-use crate::fault::Fault;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
-use crate::space::Dimension;
-use crate::values::{Finite, Positive};
+use siloflow_dem::space::Dimension;
+use siloflow_dem::values::{Finite, Positive};
+use siloflow_text::fault::Fault;
 
 /// The colour that the command line asks for: a name, and the ends of the scale if they are given.
 #[derive(Clone, Debug, PartialEq)]

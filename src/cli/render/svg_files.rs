@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::{refused, say};
-use crate::fault::Fault;
 use crate::output::run_directory::{Depth, is_run, refuse_odd};
 use crate::writers::png;
+use siloflow_text::fault::Fault;
 
 pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
     let pictures = paths.iter().map(|path| pictures(path)).collect::<Result<Vec<_>, _>>()?;

@@ -7,11 +7,11 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::sweep::foreign;
 use crate::cli::sweep::runs::Failure;
 use crate::cli::{picture_files, say, show};
-use crate::fault::Fault;
-use crate::sweep::directory::{State, SweepDirectory};
-use crate::sweep::fit::short;
-use crate::sweep::table::{self, Row};
-use crate::sweep::{Sweep, Task, figures, picture};
+use crate::studies::sweep::directory::{State, SweepDirectory};
+use crate::studies::sweep::fit::short;
+use crate::studies::sweep::table::{self, Row};
+use crate::studies::sweep::{Sweep, Task, figures, picture};
+use siloflow_text::fault::Fault;
 
 /// Most failed or missing runs that are listed.
 const MOST_LISTED: usize = 20;

@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 use crate::cli::program;
 use crate::cli::progress::Progress;
 use crate::cli::signals::Signals;
-use crate::fault::Fault;
-use crate::sweep::directory::{Log, State, SweepDirectory};
-use crate::sweep::{Sweep, Task};
+use crate::studies::sweep::directory::{Log, State, SweepDirectory};
+use crate::studies::sweep::{Sweep, Task};
+use siloflow_text::fault::Fault;
 
 /// Time between two looks at the processes.
 const PAUSE: Duration = Duration::from_millis(10);

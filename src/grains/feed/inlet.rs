@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 use super::{Feed, FeedFigure, Rate};
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::are_quotas;
-use crate::particle::{GrainId, Species};
-use crate::particles::Particles;
-use crate::periodic::Periodic;
-use crate::persist::Problem;
 use crate::random::Stream;
-use crate::space::{Solid, Space};
-use crate::spin::InertiaLaw;
-use crate::step::Clock;
-use crate::values::{FiniteVector, NonNegative};
+use siloflow_dem::particle::{GrainId, Species};
+use siloflow_dem::particles::Particles;
+use siloflow_dem::periodic::Periodic;
+use siloflow_dem::persist::Problem;
+use siloflow_dem::space::{Solid, Space};
+use siloflow_dem::spin::InertiaLaw;
+use siloflow_dem::step::Clock;
+use siloflow_dem::values::{FiniteVector, NonNegative};
 
 /// Number of grains over which a feed without an end keeps the shares of a mixture exact.
 const BLOCK: u32 = 1000;

@@ -7,13 +7,13 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord};
 
-use crate::fault::Fault;
 use crate::grains::MOST_GRAINS;
 use crate::grains::file::{ALWAYS, GrainRow, Kind, SOLID, SPIN};
-use crate::particle::{GrainId, Species};
-use crate::source::files::{GRAIN_BYTES, open_text};
-use crate::space::Solid;
-use crate::text::encoding::MARK;
+use siloflow_dem::particle::{GrainId, Species};
+use siloflow_dem::space::Solid;
+use siloflow_text::encoding::MARK;
+use siloflow_text::fault::Fault;
+use siloflow_text::file::{GRAIN_BYTES, open_text};
 
 /// Parses the text of a grain file. `name` is the file's name in messages.
 ///

@@ -4,10 +4,10 @@ use std::io;
 
 use bevy_ecs::prelude::*;
 
-use crate::fault::Fault;
 use crate::grains::file::SPIN;
 use crate::grains::grain_snapshot;
-use crate::space::{Dimension, Linear, Solid, Space};
+use siloflow_dem::space::{Dimension, Linear, Solid, Space};
+use siloflow_text::fault::Fault;
 
 /// Returns the grains of a world as the text of a grain file, in ascending order of ids.
 pub fn write<V: Space>(world: &mut World) -> String {

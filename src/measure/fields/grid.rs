@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use crate::measure::fields::axis_cells::AxisCells;
 use crate::measure::fields::{FieldGrid, Kernel};
-use crate::space::{Plane, Space};
+use siloflow_dem::space::{Plane, Space};
 
 /// A grid with a kernel.
 #[derive(Clone, Debug)]

@@ -5,8 +5,8 @@
 
 use crate::measure::fields::grid::{Gaussian, Grid};
 use crate::measure::fields::kernel::{density, parts_of_line, points_of_part};
-use crate::periodic::Periodic;
-use crate::space::Space;
+use siloflow_dem::periodic::Periodic;
+use siloflow_dem::space::Space;
 
 /// Standard deviations at which a Gaussian is cut off along each axis.
 const CUT: f64 = 6.0;

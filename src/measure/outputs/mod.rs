@@ -49,7 +49,7 @@ pub(crate) use self::systems::{
 pub use self::systems::{Value, Values};
 #[cfg(doc)]
 use crate::measure::ObserveStage;
-use crate::particle::Slot;
+use siloflow_dem::particle::Slot;
 
 /// Name, unit and label of a registered quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -178,7 +178,7 @@ pub trait OutputApp {
     ) -> &mut Self;
 
     /// Adds a column to the grains of frames: a number for each row of the particle store, in the order of rows. Rows that are
-    /// missing have NaN. [`Particles`](crate::particles::Particles) and [`ContactView`](crate::survey::view::ContactView) have the
+    /// missing have NaN. [`Particles`](siloflow_dem::particles::Particles) and [`ContactView`](siloflow_dem::survey::view::ContactView) have the
     /// number of rows.
     fn grain_column_from<M: 'static, S>(&mut self, name: &str, unit: &str, system: S) -> &mut Self
     where

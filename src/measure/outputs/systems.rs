@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use crate::measure::ObserveStage;
 use crate::measure::outputs::BehaviourOutputs;
-use crate::particle::Slot;
-use crate::persist::PersistApp as _;
-use crate::step::Step;
+use siloflow_dem::particle::Slot;
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::step::Step;
 
 /// The numbers of the columns of grains at the last frame: for each column, by row of the particle store.
 #[derive(Resource, Default)]

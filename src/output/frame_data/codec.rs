@@ -16,7 +16,7 @@ use std::io::{self, Read};
 use serde::{Deserialize, Serialize};
 
 use super::{Column, FORMAT, Frame, Header, Table, Values, WallGeometry};
-use crate::persist::{decode, encode};
+use siloflow_dem::persist::{decode, encode};
 
 #[derive(Deserialize, Serialize)]
 struct Head {

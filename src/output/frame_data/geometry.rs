@@ -16,11 +16,11 @@ use std::f64::consts::TAU;
 
 use super::WallGeometry;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Linear as _, Solid, Space};
-use crate::walls::clip::share_edges;
-use crate::walls::config::Wall;
-use crate::walls::shapes::spherical_zone::SphericalZone;
-use crate::walls::surfaces::{Surface, SurfaceWall};
+use siloflow_dem::space::{Dimension, Linear as _, Solid, Space};
+use siloflow_dem::walls::clip::share_edges;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::shapes::spherical_zone::SphericalZone;
+use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
 
 /// Number of sectors of a surface of revolution.
 pub const SECTORS: u32 = 48;
@@ -190,14 +190,14 @@ pub fn domain(loaded: &Loaded) -> [Solid; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::particle::Species;
-    use crate::space::Plane;
-    use crate::walls::shapes::ball::Ball;
-    use crate::walls::shapes::half_plane::HalfPlane;
-    use crate::walls::shapes::panel::Panel;
-    use crate::walls::shapes::prism::Prism;
-    use crate::walls::shapes::revolved::Revolved;
-    use crate::walls::shapes::trimmed::{Trimmed, Whole};
+    use siloflow_dem::particle::Species;
+    use siloflow_dem::space::Plane;
+    use siloflow_dem::walls::shapes::ball::Ball;
+    use siloflow_dem::walls::shapes::half_plane::HalfPlane;
+    use siloflow_dem::walls::shapes::panel::Panel;
+    use siloflow_dem::walls::shapes::prism::Prism;
+    use siloflow_dem::walls::shapes::revolved::Revolved;
+    use siloflow_dem::walls::shapes::trimmed::{Trimmed, Whole};
 
     const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];
 

@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use crate::space::{Dimension, Space};
-use crate::survey::{Partner, Survey};
+use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::survey::{Partner, Survey};
 
 /// Returns the pressure of each slot.
 pub(in crate::output) fn of<V: Space>(survey: &Survey<V>) -> Vec<f64> {

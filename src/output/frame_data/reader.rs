@@ -9,8 +9,8 @@ use lz4_flex::frame::FrameDecoder;
 use super::codec::damaged;
 use super::file::MAGIC;
 use super::{Frame, Header, check, codec};
-use crate::own_files;
 use crate::writers::fnv::Fnv;
+use siloflow_files::own_files;
 
 /// Most bytes of a record that [`FrameReader::open`] unpacks: a frame of the largest scene.
 const LARGEST: u64 = 8 << 30;

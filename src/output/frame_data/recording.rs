@@ -7,7 +7,7 @@
 //! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
 //!
 //! The id of wall grain 3 is -3. Rows are in ascending order of ids, wall grains after grains and in the order of their numbers. Forces are those of the full step, as in
-//! [`survey::view`](crate::survey::view). The pressure of a particle is the sum of its elastic contact forces over its circumference, or in solid space over its surface.
+//! [`survey::view`](siloflow_dem::survey::view). The pressure of a particle is the sum of its elastic contact forces over its circumference, or in solid space over its surface.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -24,18 +24,18 @@ use super::{
 use crate::ledger::Ledger;
 use crate::measure::outputs::{self, BehaviourOutputs, GrainColumn, GrainValues, Quantity};
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::outcome::Outcome;
 use crate::output::frame_export::live::LiveFormats;
-use crate::particle::{Door, Grain, GrainId, Slot};
-use crate::persist::PersistApp as _;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
-use crate::space::{Linear, Solid, Space};
-use crate::step::{Clock, Step};
-use crate::survey::view::{ContactState, Touched};
-use crate::survey::{Partner, Survey, SurveyParam};
 use crate::writers::colour;
 use crate::writers::rows::{RowsPlace, TakenOnce};
+use siloflow_dem::outcome::Outcome;
+use siloflow_dem::particle::{Door, Grain, GrainId, Slot};
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_dem::space::{Linear, Solid, Space};
+use siloflow_dem::step::{Clock, Step};
+use siloflow_dem::survey::view::{ContactState, Touched};
+use siloflow_dem::survey::{Partner, Survey, SurveyParam};
 
 /// The content of the frames of a run.
 #[derive(Clone, Debug)]

@@ -14,10 +14,10 @@ use bevy_ecs::prelude::*;
 
 use super::Frame;
 use super::file::FrameFile;
-use crate::outcome::{Failure, Outcome};
 use crate::output::frame_export::live::{LiveFormats, SavedFormats};
-use crate::persist::PersistApp as _;
 use crate::writers::frame_writer::Guard;
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::persist::PersistApp as _;
 
 /// Largest number of queued frames.
 pub const MAX_WAITING_FRAMES: usize = 4;
@@ -148,9 +148,9 @@ fn failed(path: String, reason: &impl ToString) -> Failure {
 mod tests {
     use super::super::reader::tests::header;
     use super::*;
-    use crate::outcome::End;
     use crate::writers::growing::Growing;
     use crate::writers::rows::RowsPlace;
+    use siloflow_dem::outcome::End;
 
     #[test]
     fn a_full_disk_ends_the_run() {

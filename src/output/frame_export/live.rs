@@ -8,13 +8,13 @@ use std::path::Path;
 
 use super::{dump, vtk, xyz};
 use crate::output::frame_data::{Frame, Header};
-use crate::own_files;
-use crate::persist::Problem;
 use crate::scene::outputs::Format;
 use crate::writers::disk;
 use crate::writers::frame_writer::Guard;
 use crate::writers::growing::Growing;
 use crate::writers::rows::RowsPlace;
+use siloflow_dem::persist::Problem;
+use siloflow_files::own_files;
 
 /// The formats of a run.
 pub struct LiveFormats {

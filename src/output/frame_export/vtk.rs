@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 use super::grain_columns;
 use super::vtp::PolyData;
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
-use crate::own_files;
 use crate::scene::outputs::Format;
 use crate::writers::growing::Growing;
 use crate::writers::run_files::{Extent, RunFile, RunFiles};
 use crate::writers::whole_file;
+use siloflow_files::own_files;
 
 /// A directory of frames that grows.
 #[derive(Debug)]

@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use crate::output::frame_data::{Column, Values};
-use crate::text::for_xml;
+use siloflow_text::safe::for_xml;
 
 /// The content of a file.
 #[derive(Debug, Default)]

@@ -5,8 +5,8 @@ use super::grains::Grains;
 use super::point;
 use super::style::Style;
 use crate::output::frame_data::{Frame, Header, Table};
-use crate::space::{Solid, Vector};
 use crate::writers::colour::Rgb;
+use siloflow_dem::space::{Solid, Vector};
 
 /// Bond colours of sticking and of sliding contacts.
 pub(super) const COLOURS: [Rgb; 2] = [[0x1a, 0x1a, 0x1a], [0xf0, 0x6c, 0x00]];

@@ -1,6 +1,6 @@
 //! Clipping of convex polygons by planes (Sutherland and Hodgman, Communications of the ACM 17, 1974).
 
-use crate::space::Solid;
+use siloflow_dem::space::Solid;
 
 /// A half-space: all x with `normal . x >= level`.
 #[derive(Clone, Copy, Debug)]

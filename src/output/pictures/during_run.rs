@@ -12,18 +12,18 @@ use bevy_ecs::prelude::*;
 
 use super::draw;
 use super::style::Style;
-use crate::fault::Fault;
 use crate::measure::outputs;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::outcome::{Failure, Outcome};
 use crate::output::frame_data::Header;
 use crate::output::frame_data::recording::{Content, FramesRecorded, Observed, Recording};
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, DataFrames, Pictures};
-use crate::space::Space;
-use crate::step::Step;
 use crate::writers::frame_writer::FrameWriter;
 use crate::writers::run_files::RunFiles;
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::space::Space;
+use siloflow_dem::step::Step;
+use siloflow_text::fault::Fault;
 
 /// Draws the pictures of a run.
 pub struct PicturesPlugin<V: Space> {

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::space::Solid;
+use siloflow_dem::space::Solid;
 
 /// Cosine of the smallest angle between neighbours that is a crease. Sectors of a round wall meet at less.
 const CREASE: f64 = 0.9;

@@ -6,8 +6,8 @@ use super::style::{Style, speeds};
 use super::{hidden, legend, point};
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
-use crate::space::{Solid, Vector};
 use crate::writers::colour::{self, Rgb};
+use siloflow_dem::space::{Solid, Vector};
 
 /// Grains, wall grains and door grains of a frame.
 pub(super) struct Grains {

@@ -8,9 +8,9 @@ use super::style::Style;
 use crate::measure::outputs::Palette;
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
-use crate::space::{Solid, Vector};
 use crate::writers::colour::{self, Rgb};
 use crate::writers::svg::Legend;
+use siloflow_dem::space::{Solid, Vector};
 
 pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<String> {
     let title = if header.title.is_empty() { &header.scene } else { &header.title };

@@ -33,8 +33,8 @@ mod tests;
 
 use self::style::Style;
 use crate::output::frame_data::{Frame, Header};
-use crate::space::Solid;
 use crate::writers::svg::{Finish, Picture};
+use siloflow_dem::space::Solid;
 
 /// Returns the picture of a frame.
 #[must_use]

@@ -5,8 +5,8 @@ use crate::scene::camera::Camera;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::scene::view;
-use crate::space::{Dimension, Plane, Solid, Space, Vector};
-use crate::walls::surfaces::Surface;
+use siloflow_dem::space::{Dimension, Plane, Solid, Space, Vector};
+use siloflow_dem::walls::surfaces::Surface;
 
 /// Settings that all pictures of a run share. Lengths are in m.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +44,9 @@ impl Style {
         Self {
             width: pictures.width.get(),
             colour: pictures.colour.clone(),
-            network: pictures.network.map(crate::values::Positive::get),
+            network: pictures.network.map(siloflow_dem::values::Positive::get),
             camera: Camera::new(scene.space, pictures.direction),
-            cut: pictures.cut.map(crate::values::Finite::get),
+            cut: pictures.cut.map(siloflow_dem::values::Finite::get),
             view: view::of(loaded, pictures),
             smallest_radius: loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest),
             decimals,

@@ -3,9 +3,9 @@ use super::*;
 use crate::output::frame_data::{Column, FORMAT, Table, Values, WallGeometry};
 use crate::scene::camera::{Camera, Direction};
 use crate::scene::outputs::Colour;
-use crate::space::{Dimension, Vector};
-use crate::values::{Finite, Positive};
 use crate::writers::svg::Legend;
+use siloflow_dem::space::{Dimension, Vector};
+use siloflow_dem::values::{Finite, Positive};
 
 fn header(dimension: u8) -> Header {
     Header {
@@ -160,9 +160,9 @@ fn walls_are_behind_or_in_front_of_the_grains_and_show_their_borders() {
 
 #[test]
 fn a_round_wall_shows_its_rims_and_its_outline() {
-    use crate::particle::Species;
-    use crate::walls::shapes::revolved::Revolved;
-    use crate::walls::surfaces::{Surface, SurfaceWall};
+    use siloflow_dem::particle::Species;
+    use siloflow_dem::walls::shapes::revolved::Revolved;
+    use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
     let cylinder = Revolved::between(Solid::new(2.0, 2.0, 1.0), Solid::new(2.0, 2.0, 3.0), [1.0, 1.0]);
     let wall = SurfaceWall::still(Surface::Revolved(cylinder), Species(0));
     let domain = [Solid::ZERO, Solid::splat(4.0)];

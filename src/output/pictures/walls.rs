@@ -8,9 +8,9 @@ use super::clip::{self, HalfSpace};
 use super::edges::{Face, edges};
 use super::style::Style;
 use crate::output::frame_data::{Header, WallGeometry};
-use crate::space::{Solid, Vector};
 use crate::writers::colour::{self, Rgb};
 use crate::writers::svg::Patch;
+use siloflow_dem::space::{Solid, Vector};
 
 /// Opacity of surfaces behind and in front of the grains.
 const OPACITY: [f64; 2] = [0.16, 0.05];

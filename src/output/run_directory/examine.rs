@@ -6,12 +6,12 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use crate::fault::Fault;
 use crate::output::run_directory::in_use;
 use crate::output::run_directory::kinds::is_odd;
 use crate::output::run_directory::marker::{Claim, Marker};
 use crate::output::run_directory::names::{FRAMES, SCENE, SERIES, SUMMARY, is_directory};
 use crate::output::run_directory::part::writer_of;
+use siloflow_text::fault::Fault;
 
 /// Content of the place where a run directory shall be.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use std::io::ErrorKind;
 use std::path::{Component, Path};
 
 use crate::output::run_directory::names::is_own;
-use crate::own_files;
 use crate::writers::run_files::{Extent, FileRecord, Kind};
+use siloflow_files::own_files;
 
 /// The moment of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

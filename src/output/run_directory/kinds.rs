@@ -7,10 +7,10 @@ use std::fs::{self, FileType};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::fault::Fault;
 use crate::output::run_directory::marker::MARKER;
 use crate::output::run_directory::names::{is_directory, is_own};
-use crate::own_files;
+use siloflow_files::own_files;
+use siloflow_text::fault::Fault;
 
 /// How much of a run directory is examined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

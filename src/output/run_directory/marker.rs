@@ -12,9 +12,8 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
-use crate::own_files::{self, file_number};
-use crate::source::files;
 use crate::writers::disk::DiskFile;
+use siloflow_files::own_files::{self, file_number};
 
 /// Name of the marker.
 pub(crate) const MARKER: &str = ".siloflow";
@@ -27,7 +26,7 @@ const DECLARED: &str = "file ";
 
 /// Returns the names of the files that the marker of a directory declares; none if it cannot be read.
 pub(super) fn declared_in(directory: &Path) -> Vec<String> {
-    let text = files::read_own_text(&directory.join(MARKER), MOST_BYTES).unwrap_or_default();
+    let text = own_files::read_text(&directory.join(MARKER), MOST_BYTES).unwrap_or_default();
     let names = text.lines().filter_map(|line| line.strip_prefix(DECLARED));
     // The file may have been changed: only names at the top of the directory count.
     let is_name = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', '\0']);

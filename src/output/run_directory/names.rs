@@ -7,9 +7,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::output::run_directory::marker::MARKER;
-use crate::own_files;
 use crate::writers::fnv::Fnv;
 use crate::writers::whole_file::{PART, remove_if_there};
+use siloflow_files::own_files;
 
 pub(crate) const SCENE: &str = "scene.ron";
 pub(crate) const SERIES: &str = "series.csv";

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use crate::output::run_directory::exchange::exchange;
 use crate::output::run_directory::marker::{Claim, MARKER, Marker};
 use crate::output::run_directory::names::{completed, content_of};
-use crate::own_files;
 use crate::writers::whole_file::{part_of, remove_if_there};
+use siloflow_files::own_files;
 
 /// How many times a directory is tried if other processes remove it before it is locked.
 const ATTEMPTS: u32 = 100;

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::RunDirectory;
 use super::integrity::{Moment, problem};
-use crate::fault::Fault;
 use crate::output::run_directory::names::{DAMAGED, FRAMES, VTK};
 use crate::writers::disk;
 use crate::writers::run_files::{Damage, Manifest};
+use siloflow_text::fault::Fault;
 
 /// Largest number of damaged files that a message names.
 const MOST_NAMED: usize = 10;

@@ -16,10 +16,10 @@ use std::path::{Path, PathBuf};
 
 use crate::output::run_directory::exchange::{exchange, recover};
 use crate::output::run_directory::marker::{Claim, MARKER, Marker, declared_in};
-#[cfg(unix)]
-use crate::own_files::file_number;
 use crate::writers::disk::{self, remove_if_there};
 use crate::writers::whole_file::PART;
+#[cfg(unix)]
+use siloflow_files::own_files::file_number;
 
 /// Whether siloflow writes a file or directory of this path in a directory. The path counts from the directory.
 pub(super) type IsOwn<'a> = &'a (dyn Fn(&Path) -> bool + Send + Sync);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::marker::{MARKER, holder};
 use super::names::{FRAMES, HASHES, SCENE, SERIES, SUMMARY};
-use crate::own_files;
+use siloflow_files::own_files;
 
 /// The use of a run directory.
 #[derive(Debug)]

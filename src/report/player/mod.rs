@@ -41,8 +41,8 @@ use std::io;
 use std::path::Path;
 
 use crate::output::run_directory::frame_data_of;
-use crate::own_files;
 use crate::scene::extent::OF_UNKNOWN_SCENE;
+use siloflow_files::own_files;
 
 /// Most characters of the data of a run, unless the caller gives another number.
 pub const BUDGET: usize = 12_000_000;

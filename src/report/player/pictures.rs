@@ -17,8 +17,7 @@ use super::bytes::length;
 use super::grains::damaged;
 use super::packing::{compression, join};
 use super::thinning::Thinning;
-use crate::own_files;
-use crate::source::files;
+use siloflow_files::own_files;
 
 /// Largest picture that is read, bytes.
 const LARGEST: u64 = 32 << 20;
@@ -39,7 +38,7 @@ struct Description {
 pub(super) fn pack(run: &Path, most: usize) -> io::Result<Option<String>> {
     let Some((files, content)) = files(&run.join("frames"))? else { return Ok(None) };
     // The header of a picture of grains has a time.
-    if step_of(&files::read_own_text(&files[0], LARGEST)?).is_none() {
+    if step_of(&own_files::read_text(&files[0], LARGEST)?).is_none() {
         return Ok(None);
     }
     let mut thinning = Thinning::new(files.len(), content);
@@ -94,7 +93,7 @@ fn pack_files(files: &[PathBuf], thinning: Thinning) -> io::Result<(Vec<u8>, Vec
     let mut steps = Vec::new();
     let mut lengths = Vec::new();
     for (_, path) in files.iter().enumerate().filter(|(number, _)| thinning.takes(*number)) {
-        let text = files::read_own_text(path, LARGEST)?;
+        let text = own_files::read_text(path, LARGEST)?;
         let step = step_of(&text);
         steps.push(step.ok_or_else(|| damaged(&format!("the picture {} has no step in its header", path.display())))?);
         lengths.push(length(text.len()));

@@ -29,9 +29,9 @@
 //! The error is that of one impact, not of a run: in a run chaos separates the paths of many grains at any step. Forces that a behaviour
 //! adds, and contacts of several grains at once, are not considered.
 
-use crate::contact::Contact;
-use crate::integrate::Integrator;
 use crate::scene::check::Estimates;
+use siloflow_dem::contact::Contact;
+use siloflow_dem::integrate::Integrator;
 
 /// Time of a step of `Centred` over that of a step of `Verlet`.
 const COST_OF_CENTRED: f64 = 1.2;

@@ -1,9 +1,9 @@
 //! The bed and the fall, for estimates: where grains start, how fast they arrive, and what the lowest of them carry.
 
 use crate::scene::loaded::Loaded;
-use crate::space::Dimension;
-use crate::walls::config::Wall;
-use crate::walls::outline::Outline;
+use siloflow_dem::space::Dimension;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::outline::Outline;
 
 /// Speed at the lowest point of the walls, after a fall from where grains start, m/s.
 pub(super) fn impact_speed(loaded: &Loaded) -> f64 {

@@ -1,9 +1,9 @@
 //! Warnings about doors through which no grain can leave, or be counted.
 
-use crate::fault::Warning;
 use crate::scene::loaded::Loaded;
-use crate::walls::config::Wall;
-use crate::walls::outline::Outline;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::outline::Outline;
+use siloflow_text::fault::Warning;
 
 /// Adds the warnings about doors, for grains of this radius (m) or more.
 pub(super) fn examine(loaded: &Loaded, radius: f64, warnings: &mut Vec<Warning>) {

@@ -1,12 +1,12 @@
 //! Numbers that are estimated from a scene before a run.
 
-use crate::contact::{Bounce, Contact};
-use crate::integrate::Integrator;
 use crate::scene::TimeStep;
 use crate::scene::check::automatic;
 use crate::scene::check::bed::{carried_at_the_bottom, impact_speed};
 use crate::scene::check::species_pairs::{self, SpeciesPair};
 use crate::scene::loaded::Loaded;
+use siloflow_dem::contact::{Bounce, Contact};
+use siloflow_dem::integrate::Integrator;
 
 /// Estimates of a scene with grains, SI.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ impl Estimates {
         Self::with(loaded, loaded.scene.integrator)
     }
 
-    /// Whether `Centred` lets springs follow the positions at this step ([`crate::integrate::centred`]).
+    /// Whether `Centred` lets springs follow the positions at this step ([`siloflow_dem::integrate::centred`]).
     #[must_use]
     pub fn has_exact_springs(&self) -> bool {
         self.relaxation.is_finite() && self.dt > self.relaxation

@@ -6,10 +6,10 @@
 //! [`leaks`](super::leaks) finds no way out of them. In solid space panels are not examined. A scene without any wall is meant
 //! to have grains in free flight.
 
-use crate::fault::Warning;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Solid};
-use crate::walls::config::Wall;
+use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Warning;
 
 /// Most half-planes whose lines are examined.
 const MOST_HALF_PLANES: usize = 100;

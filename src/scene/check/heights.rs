@@ -1,11 +1,11 @@
 //! Whether gravity points along the axis of heights. Heights are coordinates on the last axis, y in the plane and z in solid space, whatever
 //! gravity does. On an incline they may be tilted, so a warning begins at [`STEEP`].
 
-use crate::fault::Warning;
+use crate::ending::stop::StopCondition;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Solid, Space as _};
-use crate::stop::StopCondition;
-use crate::walls::config::Wall;
+use siloflow_dem::space::{Dimension, Solid, Space as _};
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Warning;
 
 /// Cosine of the angle between gravity and downwards from which on the scene has another axis of heights in mind: 60 degrees.
 const STEEP: f64 = 0.5;

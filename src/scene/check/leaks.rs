@@ -6,14 +6,14 @@
 //! diagonal of the grid, a third of the radius, may be overlooked. A search that would need more than 2e7 points, or more time than the budget has, is
 //! given up, and the budget is told.
 
-use crate::budget::Budget;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Vector};
-use crate::walls::outline::Outline;
-use crate::walls::shapes::ball::Ball;
-use crate::walls::shapes::segment::Segment;
-use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::Surface;
+use siloflow_dem::budget::Budget;
+use siloflow_dem::space::{Dimension, Vector};
+use siloflow_dem::walls::outline::Outline;
+use siloflow_dem::walls::shapes::ball::Ball;
+use siloflow_dem::walls::shapes::segment::Segment;
+use siloflow_dem::walls::silo_file::Disc;
+use siloflow_dem::walls::surfaces::Surface;
 
 /// Largest number of grid points. Each takes a byte, and more would take several seconds.
 const MOST_POINTS: f64 = 2e7;

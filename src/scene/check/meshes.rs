@@ -1,12 +1,12 @@
 //! Warnings about meshes whose size does not fit the grains, because files have no unit, and about triangles of meshes: T-junctions,
 //! slivers and overlaps (`walls::mesh_faults`). Walls of the scene may overlap in one plane: a grain touches their union.
 
-use crate::budget::Budget;
-use crate::fault::Warning;
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::walls::config::Wall;
-use crate::walls::mesh_faults::{MOST_OVERLAPS, faults};
+use siloflow_dem::budget::Budget;
+use siloflow_dem::space::Solid;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::mesh_faults::{MOST_OVERLAPS, faults};
+use siloflow_text::fault::Warning;
 
 /// Diameters of the largest grain across which a mesh is suspiciously wide. A bed so wide would have more than 10^9 grains in a single layer; a mesh in mm that is
 /// read as m is a thousand times too wide.

@@ -37,11 +37,11 @@ pub use self::estimates::{Estimates, hardest};
 use std::cell::LazyCell;
 use std::fmt::Write as _;
 
-use crate::budget::Budget;
-use crate::fault::Warning;
 use crate::scene::expected;
 use crate::scene::loaded::Loaded;
 use crate::writers::volume::{self, MOST_BYTES};
+use siloflow_dem::budget::Budget;
+use siloflow_text::fault::Warning;
 
 /// Warnings about effects that the author of the scene may not want, within the usual budget of time.
 #[must_use]

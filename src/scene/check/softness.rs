@@ -1,10 +1,10 @@
 //! Warnings about contacts so soft that bodies overlap too much.
 
-use crate::fault::Warning;
+use crate::ending::watchdog::LARGE_OVERLAP;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
-use crate::walls::outline::Outline;
-use crate::watchdog::LARGE_OVERLAP;
+use siloflow_dem::walls::outline::Outline;
+use siloflow_text::fault::Warning;
 
 /// Adds the warnings about impacts on walls, impacts of grains, adhesion, and the weight of the bed.
 pub(super) fn examine(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {

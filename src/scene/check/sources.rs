@@ -1,9 +1,9 @@
 //! Warnings about sources of grains that cannot keep their rate, and about ends of a run that wait for more grains than there are.
 
-use crate::fault::Warning;
+use crate::ending::stop::StopCondition;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
-use crate::stop::StopCondition;
+use siloflow_text::fault::Warning;
 
 /// Adds the warnings about the spawner and feeds. `dt` is the step, s.
 pub(super) fn examine(loaded: &Loaded, dt: f64, warnings: &mut Vec<Warning>) {

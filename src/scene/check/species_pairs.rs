@@ -14,16 +14,16 @@
 //!
 //! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
 
-use crate::contact::{AnyLaw, Bounce};
 use crate::grains::feed::Feed;
 use crate::grains::spawner::RadiusLaw;
-use crate::integrate::Integrator;
 use crate::random::Stream;
 use crate::scene::check::crowd::{Motion, Pull};
 use crate::scene::check::step;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane};
-use crate::walls::config::Wall;
+use siloflow_dem::contact::{AnyLaw, Bounce};
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::space::{Dimension, Plane};
+use siloflow_dem::walls::config::Wall;
 
 /// Number of radii to be released that are examined, if each is drawn at random.
 const DRAWN: u32 = 10_000;
@@ -51,7 +51,7 @@ pub struct SpeciesPair {
     inertia: f64,
     /// m R_eff^2 (1/I_i + 1/I_j).
     rolling: f64,
-    /// The law's [`modes`](crate::contact::PairLaw::modes) in the impact.
+    /// The law's [`modes`](siloflow_dem::contact::PairLaw::modes) in the impact.
     modes: [[f64; 2]; 4],
 }
 
@@ -141,7 +141,7 @@ impl SpeciesPair {
     }
 
     /// The shortest relaxation time c/k of the springs along the tangent, in rolling and in twisting, s; infinite without such
-    /// springs. `Centred` lets springs follow the positions in steps longer than that ([`crate::integrate::centred`]).
+    /// springs. `Centred` lets springs follow the positions in steps longer than that ([`siloflow_dem::integrate::centred`]).
     #[must_use]
     pub fn relaxation(&self) -> f64 {
         let springs = self.motions().into_iter().filter(|way| way.gathers && way.k > 0.0);
@@ -322,12 +322,12 @@ fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fault::Fault;
     use crate::grains::file::GrainRow;
-    use crate::particle::{GrainId, Species};
     use crate::scene::check::hardest;
     use crate::scene::load;
-    use crate::space::Solid;
+    use siloflow_dem::particle::{GrainId, Species};
+    use siloflow_dem::space::Solid;
+    use siloflow_text::fault::Fault;
 
     const FLOOR: &str = "walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0), species: 1)]";
 

@@ -8,15 +8,15 @@ mod stability;
 
 use rustc_hash::FxHashMap;
 
-use crate::budget::Budget;
-use crate::fault::Warning;
+use crate::ending::watchdog::LARGE_OVERLAP;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::walls::config::Wall;
-use crate::walls::surfaces::{Surface, Surfaces};
-use crate::watchdog::LARGE_OVERLAP;
+use siloflow_dem::budget::Budget;
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::surfaces::{Surface, Surfaces};
+use siloflow_text::fault::Warning;
 
 /// Warnings of deep overlaps.
 const DEEP: [&str; 2] = ["check::overlaps_at_start", "check::starts_in_wall"];

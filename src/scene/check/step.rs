@@ -5,12 +5,12 @@
 //! | scheme | stable for dt below |
 //! |---|---|
 //! | `Verlet`, `SymplecticEuler`: the drag is half a step or a whole step old | 2/(sqrt(w0^2 + beta^2) + beta) |
-//! | `Centred` ([`crate::contact::centred`]) | min(2/w0, 1/beta) |
+//! | `Centred` ([`siloflow_dem::contact::centred`]) | min(2/w0, 1/beta) |
 //! | `ExplicitEuler` | 2 beta/w0^2, never without drag; overdamped 2/(beta + sqrt(beta^2 - w0^2)) |
 //!
 //! [`crate::scene::check::crowd`] has the limits of several contacts.
 
-use crate::integrate::Integrator;
+use siloflow_dem::integrate::Integrator;
 
 /// Largest stable step of a single contact, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a reduced mass
 /// (kg).

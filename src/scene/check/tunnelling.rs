@@ -1,12 +1,12 @@
 //! Warnings about grains and walls that may pass each other within one step.
 
 use crate::door::DoorMotion;
-use crate::fault::Warning;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::walls::config::Wall;
-use crate::walls::motion::Motion;
+use siloflow_dem::space::Solid;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::motion::Motion;
+use siloflow_text::fault::Warning;
 
 /// Returns the largest speed of a wall that moves, m/s. Of a half-plane that turns it is the speed at the farthest grain or end of a wall.
 fn fastest_wall(loaded: &Loaded) -> f64 {

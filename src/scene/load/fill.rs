@@ -1,14 +1,14 @@
 //! Creates the grains of `fill` while a scene is loaded.
 
-use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::fill::{Fill, FixedGrain, MOST_TRIES, Placement};
 use crate::grains::occupied::Occupied;
-use crate::periodic::Periodic;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::periodic::Periodic;
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::walls::surfaces::Surfaces;
+use siloflow_text::fault::Fault;
 
 impl Loaded {
     /// Creates the grains of `fill`.

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use crate::contact::history::remembered;
-use crate::fault::{Fault, Warning};
 use crate::grains::file;
 use crate::grains::fill::Fill;
 use crate::scene::load::contacts::Stray;
 use crate::scene::load::{CONTACTS, any, read_all};
 use crate::scene::loaded::{AnyScene, Loaded};
-use crate::source::Source;
-use crate::space::Dimension;
+use siloflow_dem::contact::history::remembered;
+use siloflow_dem::space::Dimension;
+use siloflow_text::fault::{Fault, Warning};
+use siloflow_text::source::Source;
 
 /// The state of another run, from which a scene starts.
 #[derive(Debug)]

@@ -9,11 +9,11 @@
 
 use crate::door::DoorMotion;
 use crate::scene::loaded::Loaded;
-use crate::space::{Solid, Space};
-use crate::values::FiniteVector;
-use crate::walls::config::Wall;
-use crate::walls::shapes::Shape as _;
-use crate::walls::surfaces::{Surface, SurfaceWall};
+use siloflow_dem::space::{Solid, Space};
+use siloflow_dem::values::FiniteVector;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::shapes::Shape as _;
+use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
 
 /// Most images of a scene. More would take gigabytes.
 const MOST_IMAGES: usize = 200_000;

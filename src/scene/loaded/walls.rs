@@ -3,11 +3,11 @@
 use crate::door::DoorMotion;
 use crate::measure::wall_bands::BandSampler;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::walls::config::Wall;
-use crate::walls::moving::{Drive, LeafState, Mover};
-use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::moving::{Drive, LeafState, Mover};
+use siloflow_dem::walls::silo_file::Disc;
+use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
 
 impl Loaded {
     /// Fixed discs of a planar scene, without the door and without moving discs: from the silo file, from the scene and

@@ -1,14 +1,14 @@
 //! Rules between contact laws, materials and pairs of species.
 
-use crate::contact::Contact;
-use crate::contact::adhesion::Adhesion;
-use crate::contact::config::{Friction, PairOfSpecies};
-use crate::contact::rolling::{RollingKeys, RollingKind};
-use crate::fault::Fault;
-use crate::integrate::Integrator;
-use crate::neighbours::Neighbours;
 use crate::scene::loaded::Loaded;
-use crate::space::Dimension;
+use siloflow_dem::contact::Contact;
+use siloflow_dem::contact::adhesion::Adhesion;
+use siloflow_dem::contact::config::{Friction, PairOfSpecies};
+use siloflow_dem::contact::rolling::{RollingKeys, RollingKind};
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::neighbours::Neighbours;
+use siloflow_dem::space::Dimension;
+use siloflow_text::fault::Fault;
 
 /// A law of a pair must have the same terms as the scene's law, and all parameters that a law needs must be given.
 pub(super) fn contacts(loaded: &Loaded) -> Result<(), Fault> {

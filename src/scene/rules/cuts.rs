@@ -1,13 +1,13 @@
 //! Rules on holes and patches of walls.
 
 use super::{has_no_direction, is_oblique};
-use crate::fault::Fault;
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::walls::config::Wall;
-use crate::walls::figure::Figure;
-use crate::walls::shapes::trimmed::RimFault;
-use crate::walls::surfaces::Surface;
+use siloflow_dem::space::Solid;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::figure::Figure;
+use siloflow_dem::walls::shapes::trimmed::RimFault;
+use siloflow_dem::walls::surfaces::Surface;
+use siloflow_text::fault::Fault;
 
 /// A hole lies on its wall as a whole, and the wall meets its outline from one side.
 pub(super) fn cuts(loaded: &Loaded) -> Result<(), Fault> {

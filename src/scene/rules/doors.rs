@@ -1,11 +1,11 @@
 //! Rules on `door` and `doors`: each needs walls, a way to open that its walls have, and times that follow each other.
 
 use crate::door::{DoorControl, DoorMotion, DoorOpens};
-use crate::fault::Fault;
 use crate::scene::loaded::Loaded;
 use crate::scene::rules::has_no_direction;
-use crate::values::NonNegative;
-use crate::walls::config::Wall;
+use siloflow_dem::values::NonNegative;
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Fault;
 
 pub(super) fn doors(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;

@@ -1,10 +1,10 @@
 //! Rules on `fields`: a grid of the scene's space, with an extent and not too many cells.
 
-use crate::fault::Fault;
 use crate::measure::fields::{FieldGrid, Kernel, Layout, MOST_BLOCKS};
 use crate::scene::loaded::Loaded;
-use crate::space::Dimension;
-use crate::values::Finite;
+use siloflow_dem::space::Dimension;
+use siloflow_dem::values::Finite;
+use siloflow_text::fault::Fault;
 
 /// Most cells along an axis.
 const MOST_ALONG: u16 = 10_000;

@@ -1,16 +1,16 @@
 //! Rules on grains that a scene creates: enough room and ids, radii and masses.
 
-use crate::fault::Fault;
 use crate::grains::MOST_GRAINS;
 use crate::grains::feed::MOST_TRIES;
 use crate::grains::fill::{Fill, Placement};
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
-use crate::particle::GrainId;
 use crate::scene::expected::BYTES_PER_GRAIN;
 use crate::scene::loaded::Loaded;
 use crate::scene::rules::is_box;
 use crate::writers::memory::available_memory;
+use siloflow_dem::particle::GrainId;
+use siloflow_text::fault::Fault;
 
 /// Checks all fills before their grains are created.
 ///

@@ -1,8 +1,8 @@
 //! Rules on walls in a periodic box: each must have images beyond the sides that it reaches, or be the same in all of them.
 
-use crate::fault::Fault;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_text::fault::Fault;
 
 pub(super) fn images(loaded: &Loaded) -> Result<(), Fault> {
     if loaded.scene.periodic.is_open() {

@@ -17,16 +17,16 @@ pub use self::space::space;
 
 use self::contacts::contacts;
 use self::grains::{feed, ids, spawner};
-use crate::contact::Contact;
-use crate::fault::Fault;
-use crate::integrate::Integrator;
-use crate::neighbours::Neighbours;
 use crate::scene::check;
 use crate::scene::loaded::Loaded;
 use crate::scene::{Scene, TimeStep};
-use crate::space::{Dimension, Solid};
-use crate::values::FiniteVector;
-use crate::walls::config::Wall;
+use siloflow_dem::contact::Contact;
+use siloflow_dem::integrate::Integrator;
+use siloflow_dem::neighbours::Neighbours;
+use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::values::FiniteVector;
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Fault;
 
 /// Checks a scene whose files have been read.
 ///

@@ -1,12 +1,12 @@
 //! Rules on `motions`: each moves walls that exist, that nothing else moves.
 
-use crate::fault::Fault;
 use crate::scene::loaded::Loaded;
 use crate::scene::rules::has_no_direction;
-use crate::space::Dimension;
-use crate::values::NonNegative;
-use crate::walls::config::Wall;
-use crate::walls::motion::Motion;
+use siloflow_dem::space::Dimension;
+use siloflow_dem::values::NonNegative;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::motion::Motion;
+use siloflow_text::fault::Fault;
 
 pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
     let motions = &loaded.scene.motions;

@@ -1,7 +1,7 @@
 //! Rules on `outflow`: a window that a run can complete, an outlet, and zones that are apart.
 
-use crate::fault::Fault;
 use crate::scene::loaded::Loaded;
+use siloflow_text::fault::Fault;
 
 /// Checks the window and the zones.
 pub(super) fn outflow(loaded: &Loaded) -> Result<(), Fault> {

@@ -1,15 +1,15 @@
 //! Rules on what a run writes: the size of pictures, and how often it writes rows and pictures.
 
-use crate::fault::Fault;
 use crate::scene::camera::Direction;
 use crate::scene::expected;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
-use crate::space::Dimension;
-use crate::values::Positive;
-use crate::walls::config::Wall;
 use crate::writers::png::{MOST_PIXELS, MOST_SHAPES};
 use crate::writers::volume;
+use siloflow_dem::space::Dimension;
+use siloflow_dem::values::Positive;
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Fault;
 
 /// Most bins of all profiles, each counted for every species: their sums take about 100 B a bin.
 const MOST_BINS: usize = 5_000_000;

@@ -1,14 +1,14 @@
 //! Rules on the number of vector components, which must match the scene's space.
 
 use crate::door::DoorMotion;
-use crate::fault::Fault;
 use crate::grains::region::Region;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
-use crate::space::Dimension;
-use crate::values::FiniteVector;
-use crate::walls::config::Wall;
-use crate::walls::motion::Course;
+use siloflow_dem::space::Dimension;
+use siloflow_dem::values::FiniteVector;
+use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::motion::Course;
+use siloflow_text::fault::Fault;
 
 /// Every vector must have as many components as the scene's space, and planar objects must not stand in solid space.
 ///

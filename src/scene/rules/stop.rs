@@ -1,9 +1,9 @@
 //! Rules on `stop`: a condition must be able to hold.
 
-use crate::fault::Fault;
+use crate::ending::stop::StopCondition;
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::stop::StopCondition;
+use siloflow_dem::space::Solid;
+use siloflow_text::fault::Fault;
 
 /// Every condition needs what it watches: rest, a door that opens, an outlet.
 pub(super) fn stop(loaded: &Loaded) -> Result<(), Fault> {

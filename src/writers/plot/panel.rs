@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use super::axis::Axis;
 use super::{Clock, Curve, Key, MARGIN, Panel, SCALE, SIZE, Scale, class};
-use crate::text::for_xml;
+use siloflow_text::safe::for_xml;
 
 /// Height of a line of the legend, px.
 const LINE: f64 = 18.0;

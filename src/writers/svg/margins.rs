@@ -2,8 +2,8 @@
 
 use super::ticks::{rounded, ticks};
 use super::{BOTTOM, LETTER, Legend, Paper};
-use crate::space::Vector;
 use crate::writers::colour::{Rgb, hex};
+use siloflow_dem::space::Vector;
 
 /// Largest part of the width that a legend of classes takes.
 const LEGEND: f64 = 0.42;

@@ -15,10 +15,10 @@ mod ticks;
 
 use std::fmt::Write as _;
 
-use crate::space::Vector;
-use crate::text::{LONGEST_QUOTATION, cut, for_xml};
 use crate::writers::colour::Rgb;
 use crate::writers::png::FARTHEST;
+use siloflow_dem::space::Vector;
+use siloflow_text::safe::{LONGEST_QUOTATION, cut, for_xml};
 
 /// A picture to be drawn. Shapes are drawn in the order of the fields from `cells` to `labels`.
 #[derive(Clone, Debug, Default)]

@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::{Finish, INK, Paper, Patch};
-use crate::space::Vector;
 use crate::writers::colour::{Rgb, hex, mix};
 use crate::writers::png::FARTHEST;
+use siloflow_dem::space::Vector;
 
 /// Width of an outline over the radius of the smallest disc, and over the width of the picture.
 const OUTLINE: [f64; 2] = [0.16, 0.0016];

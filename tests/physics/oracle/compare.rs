@@ -1,8 +1,8 @@
 //! Compares siloflow with the naive simulator, in units of the difference that round-off explains.
 
 use glam::DVec3;
+use siloflow::dem::space::Linear;
 use siloflow::prelude::*;
-use siloflow::space::Linear;
 use siloflow_oracle::simulator::Simulator;
 use siloflow_oracle::vector::V;
 

@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use glam::DVec3;
+use siloflow::dem::store::{ParticleStore, Prediction};
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
-use siloflow::store::{ParticleStore, Prediction};
 use siloflow_oracle::simulator::{Body, Shape, Wall};
 use siloflow_oracle::vector::V;
 

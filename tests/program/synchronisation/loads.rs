@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Deserialize;
-use siloflow::particle::{GrainBundle, Particle};
+use siloflow::dem::particle::{GrainBundle, Particle};
 use siloflow::prelude::*;
 
 use super::{SCENES, scene, state_and_flows, with};

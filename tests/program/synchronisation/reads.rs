@@ -3,9 +3,9 @@
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::world::DeferredWorld;
+use siloflow::dem::space::Space;
 use siloflow::measure::{due, observe_every};
 use siloflow::prelude::*;
-use siloflow::space::Space;
 
 use super::{SCENES, scene, state_and_flows, with};
 
@@ -123,7 +123,7 @@ struct Hooked;
 fn hooked(mut world: DeferredWorld, context: HookContext) {
     if let (Some(x), Some(slot)) =
         (world.get::<Position>(context.entity).copied(), world.get::<Slot>(context.entity).copied())
-        && let Some(store) = world.get_resource::<siloflow::store::ParticleStore>()
+        && let Some(store) = world.get_resource::<siloflow::dem::store::ParticleStore>()
         && let Some(body) = store.body.get(slot.index())
     {
         assert_eq!(x.0, body.position);
@@ -274,7 +274,7 @@ fn components_equal_the_store_after_every_step() {
     for _ in 0..20 {
         run.step();
         let world = run.world();
-        let body = &world.resource::<siloflow::store::ParticleStore<Solid>>().body;
+        let body = &world.resource::<siloflow::dem::store::ParticleStore<Solid>>().body;
         let mut shown = world.try_query::<(&Slot, &Position<Solid>, &Velocity<Solid>)>().unwrap();
         let up_to_date = shown.iter(world).filter(|(slot, x, v)| {
             let body = &body[slot.index()];

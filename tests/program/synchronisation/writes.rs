@@ -148,7 +148,7 @@ fn grain_can_be_stopped_and_fixed_in_one_system() {
     assert!((x - 0.03).abs() < 1e-15 && v == 0.0, "{x} {v}");
 }
 
-fn refusal(more: impl FnOnce(&mut App)) -> siloflow::fault::Fault {
+fn refusal(more: impl FnOnce(&mut App)) -> siloflow::text::fault::Fault {
     let loaded = load::from_text("free.ron", "free", &crate::root().join("scenes"), FREE.to_owned(), &[]).unwrap();
     let refused = Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::MIN, more);
     refused.map(|_| ()).expect_err("a system that cannot be synchronised")

@@ -1,11 +1,11 @@
 //! Examines the release point of the spawner: a release needs room, and a place inside the walls.
 
-use crate::fault::Warning;
 use crate::scene::check::bed::up;
 use crate::scene::check::start::{Body, place};
 use crate::scene::loaded::Loaded;
-use crate::space::Solid;
-use crate::walls::config::Wall;
+use siloflow_dem::space::Solid;
+use siloflow_dem::walls::config::Wall;
+use siloflow_text::fault::Warning;
 
 /// Adds the warnings about the release point. `distances` returns the least distances to a half-plane and to a thin wall.
 pub(super) fn examine(

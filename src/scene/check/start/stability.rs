@@ -7,14 +7,14 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::budget::Budget;
-use crate::fault::Warning;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs::{self, SpeciesPair};
 use crate::scene::check::start::{Body, touching};
 use crate::scene::loaded::Loaded;
-use crate::space::Space;
-use crate::walls::surfaces::Surfaces;
+use siloflow_dem::budget::Budget;
+use siloflow_dem::space::Space;
+use siloflow_dem::walls::surfaces::Surfaces;
+use siloflow_text::fault::Warning;
 
 /// Adds the warning about the step.
 pub(super) fn examine<V: Space>(

@@ -1,0 +1,8 @@
+//! Text that siloflow reads and shows: faults with their place, text made safe for messages and pictures, and scene text with its
+//! places, parameters and expressions. The lowest crate: it imports no other of siloflow.
+
+pub mod encoding;
+pub mod fault;
+pub mod file;
+pub mod safe;
+pub mod source;

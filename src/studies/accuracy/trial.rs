@@ -1,0 +1,182 @@
+//! One trial: a case with one step and one scheme, run as a scene in the simulator's own app.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use super::Scheme;
+use super::case::{Answer, Case};
+use super::reference::{Floor, Law, Rolling, State, System, Vibration};
+use crate::behaviour::Registry;
+use crate::grains::file::GrainRow;
+use crate::scene::load;
+use crate::scene::loaded::Loaded;
+use crate::scene::rules;
+use crate::simulation::Simulation;
+use siloflow_dem::outcome::End;
+use siloflow_dem::particle::{Grain, GrainId, Position, Species, Velocity};
+use siloflow_dem::space::Solid;
+use siloflow_dem::spin::Spin;
+use siloflow_text::fault::Fault;
+
+/// Builds the scene that holds these copies: its text and its grains. `dt` is the step and `until` the end, both in s.
+///
+/// # Errors
+/// If a check of the scene refuses it.
+pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f64) -> Result<Loaded, Fault> {
+    let Some(first) = answers.first() else { return Err(Fault::new("accuracy::empty", "the case has no system")) };
+    let width = spacing(answers);
+    let text = scene_text(&first.system, &floors(answers, width), scheme, dt, until);
+    let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
+    for (copy, answer) in answers.iter().enumerate() {
+        for (i, disc) in answer.system.discs.iter().enumerate() {
+            let number = u32::try_from(copy * answer.system.discs.len() + i + 1).unwrap_or(u32::MAX);
+            let id =
+                GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "the case has too many grains"))?;
+            let position = (answer.start.x[i] + offset(width, copy)).extend(0.0);
+            let velocity = answer.start.v[i].extend(0.0);
+            let spin = Solid::Z * answer.start.w[i];
+            let row =
+                GrainRow { id, radius: disc.radius, mass: disc.mass, position, velocity, spin, species: Species(0) };
+            loaded.grains.push(row);
+        }
+    }
+    // Checked again because loading checked a scene without grains.
+    rules::check(&loaded)?;
+    Ok(loaded)
+}
+
+/// Runs all copies with the step `dt` (s) and returns the error of each copy; infinite if its run did not reach the
+/// end.
+///
+/// # Errors
+/// If a check of the scene refuses it.
+pub fn errors(case: &Case, answers: &[Answer], scheme: &Scheme, dt: f64) -> Result<Vec<f64>, Fault> {
+    // Copies of one system share a scene; different systems have a scene each.
+    let size = case.phases() as usize;
+    let mut errors = Vec::with_capacity(answers.len());
+    for answers in answers.chunks(size) {
+        let loaded = scene(case.name, answers, scheme, dt, 2.0 * case.end + 10.0 * dt)?;
+        let mut simulation = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN)?;
+        if let Some(End::Failed(_)) = simulation.run_steps(case.steps(dt)) {
+            errors.extend(answers.iter().map(|_| f64::INFINITY));
+            continue;
+        }
+        let states = states(&mut simulation, answers);
+        errors
+            .extend(answers.iter().zip(&states).map(|(answer, state)| case.error(&answer.system, state, &answer.end)));
+    }
+    Ok(errors)
+}
+
+/// Returns the distance between neighbouring copies along x (m), large enough that copies never touch.
+fn spacing(answers: &[Answer]) -> f64 {
+    let Some(first) = answers.first() else { return 0.0 };
+    let ends = |state: &State| {
+        let x = |i: usize| (state.x[i].x - first.system.discs[i].radius, state.x[i].x + first.system.discs[i].radius);
+        (0..state.x.len()).map(x).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    };
+    let before = ends(&first.start);
+    let after = ends(&first.end);
+    // Three times the width of a copy's exact motion, because an inaccurate scheme may throw grains farther.
+    3.0 * (before.1.max(after.1) - before.0.min(after.0))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a small number")]
+fn offset(width: f64, copy: usize) -> DVec2 {
+    DVec2::new(width * copy as f64, 0.0)
+}
+
+/// Returns the state of each copy in the coordinates of its system.
+fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
+    let width = spacing(answers);
+    let world = simulation.world_mut();
+    let mut query = world.query_filtered::<(&GrainId, &Position, &Velocity, Option<&Spin>), With<Grain>>();
+    let mut rows: Vec<_> = query.iter(world).map(|(id, x, v, w)| (*id, x.0, v.0, w.map_or(0.0, |w| w.0))).collect();
+    rows.sort_unstable_by_key(|row| row.0);
+    let mut rows = rows.into_iter();
+    let state_of_copy = |copy: usize| {
+        let own: Vec<_> = rows.by_ref().take(answers[copy].system.discs.len()).collect();
+        State {
+            x: own.iter().map(|row| row.1 - offset(width, copy)).collect(),
+            v: own.iter().map(|row| row.2).collect(),
+            w: own.iter().map(|row| row.3).collect(),
+        }
+    };
+    (0..answers.len()).map(state_of_copy).collect()
+}
+
+fn vector(v: DVec2) -> String {
+    format!("({:?}, {:?})", v.x, v.y)
+}
+
+/// Returns the keys of the floors. All copies share the floors at rest. Every copy has a piece of its own of a floor that vibrates, because
+/// the copies begin at different phases. `width` is the distance of the copies, m.
+fn floors(answers: &[Answer], width: f64) -> String {
+    let mut walls = String::new();
+    let mut motions = String::new();
+    for Floor { point, normal, .. } in
+        answers.first().into_iter().flat_map(|answer| &answer.system.floors).filter(|floor| floor.vibration.is_none())
+    {
+        // Writing to a string cannot fail.
+        let _ = write!(walls, "HalfPlane(point: {}, normal: {}), ", vector(*point), vector(*normal));
+    }
+    for (copy, answer) in answers.iter().enumerate() {
+        for (number, floor) in answer.system.floors.iter().enumerate() {
+            let Some(Vibration { amplitude, frequency }) = floor.vibration else { continue };
+            let middle = floor.point + floor.motion(answer.began)[0] + offset(width, copy);
+            let [from, to] = [-0.5, 0.5].map(|share| vector(middle + floor.normal.perp() * share * width));
+            let name = format!("{copy} {number}");
+            let amplitude = vector(amplitude);
+            let phase = TAU * frequency * answer.began;
+            let _ = write!(walls, "Segment(from: {from}, to: {to}, name: \"{name}\"), ");
+            let _ = write!(
+                motions,
+                "(walls: \"{name}\", translate: Oscillate(amplitude: {amplitude}, frequency: {frequency:?}, phase: {phase:?})), "
+            );
+        }
+    }
+    format!("walls: [{walls}], motions: [{motions}]")
+}
+
+/// Returns the scene's text, without grains. `floors` has the keys of the floors.
+fn scene_text(system: &System, floors: &str, scheme: &Scheme, dt: f64, until: f64) -> String {
+    let contact = match system.law {
+        Law::Full { k, b } => format!("Assignment(k: {k:?}, b: {b:?})"),
+        Law::Linear { k, e, attracts, friction } => {
+            let attraction = if attracts { "Allowed" } else { "Forbidden" };
+            let friction = friction.map_or_else(String::new, |f| {
+                let k = f.k;
+                let share = f.share;
+                let mu = f.mu;
+                let rolling = f.rolling.map_or_else(String::new, |Rolling { k, b, mu }| {
+                    format!(", rolling: (k: {k:?}, damping: B({b:?}), friction: {mu:?})")
+                });
+                format!(", tangential: Spring(k: {k:?}, damping: OfNormal({share:?}), friction: {mu:?}){rolling}")
+            });
+            format!("Linear(k: {k:?}, damping: Restitution({e:?}), attraction: {attraction}{friction})")
+        }
+        Law::Hertz { young, poisson, e, mu } => format!(
+            "Hertz(restitution: {e:?}, tangential: Mindlin(friction: {mu:?})), \
+             materials: [(young: {young:?}, poisson: {poisson:?})]"
+        ),
+        Law::Jkr { young, poisson, work } => format!(
+            "Hertz(restitution: 1.0, tangential: Mindlin(friction: 0.0), adhesion: Jkr({work:?})), \
+             materials: [(young: {young:?}, poisson: {poisson:?})]"
+        ),
+        Law::Adhesive { young, poisson, e, mu, work } => format!(
+            "Hertz(restitution: {e:?}, tangential: Mindlin(friction: {mu:?}), adhesion: Dmt({work:?})), \
+             materials: [(young: {young:?}, poisson: {poisson:?})]"
+        ),
+    };
+    format!(
+        "(gravity: {}, contact: {contact}, {floors}, integrator: {}, step: Fixed({dt:?}), until: {until:?}, \
+         pictures: None)",
+        vector(system.gravity),
+        scheme.name()
+    )
+}

@@ -1,0 +1,7 @@
+//! Programs about simulations: each runs many, or compares some.
+
+pub mod accuracy;
+pub mod diff;
+pub mod study;
+pub mod sweep;
+pub mod validation;

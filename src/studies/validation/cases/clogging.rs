@@ -1,0 +1,291 @@
+//! Clogging of a small planar silo: the sizes of avalanches, and their mean against the width of the orifice.
+//!
+//! A flow whose grains clog the orifice with a constant chance p each has sizes n with the geometric distribution p (1 - p)^n, the discrete form of the exponential
+//! one (Zuriguel, Garcimartin, Maza, Pugnaloni and Pastor, Phys. Rev. E 71, 051303, 2005). It holds for the tail: the first grains after a blow
+//! fall in another state than those of a steady flow. So the excesses k = 0, 1, ... of the sizes over their lower third are tested:
+//!
+//! | figure | definition | a geometric distribution has |
+//! |---|---|---|
+//! | ratio of moments | mean of (k + 1)^2 over the squared mean of k + 1 | 2 - 1/M, with M the mean of k + 1 |
+//! | p-value | chance of a larger distance of a geometric sample ([`geometric`]) | a uniform value |
+//!
+//! The mean is fitted with two laws of the literature: ln n = a + b D^2, without a critical width (Janda, Zuriguel, Garcimartin, Pugnaloni and Maza,
+//! EPL 84, 44002, 2008), and ln n = a - c ln(D_c - D), which diverges at a critical width D_c (Zuriguel et al. 2005, for spheres).
+
+mod geometric;
+
+use self::geometric::{count, mean, ratio_of_moments, test};
+use crate::studies::sweep::fit::{Law, short};
+use crate::studies::validation::numbers::{best_line, named};
+use crate::studies::validation::runs::{Run, Studies};
+use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::{Case, file};
+use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_text::fault::Fault;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "clogging",
+    title: "Clogging at small orifices",
+    sources: "Zuriguel et al. 2005, Phys. Rev. E 71, 051303 (cond-mat/0407761): exponential sizes, a power law with a critical size for spheres; \
+              Janda et al. 2008, EPL 84, 44002: no critical size in the plane (both read in the abstract).",
+    files: &[
+        file!("clogging", "silo.ron"),
+        file!("clogging", "short.ron"),
+        file!("clogging", "full.ron"),
+        file!("clogging", "full-stiff.ron"),
+    ],
+    short: &["short.ron"],
+    full: &["full.ron", "full-stiff.ron"],
+    judge,
+};
+
+/// Smallest chance at which sizes count as exponential: one in a hundred cases is wrong.
+const SMALLEST_CHANCE: f64 = 0.01;
+
+/// Width of the orifice of the runs with stiffer grains, diameters.
+const WIDTH_OF_STIFF: f64 = 3.0;
+
+/// The avalanches of one width.
+struct Avalanches {
+    /// Width of the orifice, diameters.
+    width: f64,
+    sizes: Vec<u32>,
+    /// Blows after which no grain left.
+    idle: usize,
+}
+
+impl Avalanches {
+    /// Returns the avalanches of a run without the first, which begins with the bed at rest.
+    fn of(run: &Run) -> Self {
+        let all = run.files.summary["avalanches"].as_array().map_or(&[][..], |all| all);
+        let grains = all.iter().skip(1).filter_map(|one| u32::try_from(one["grains"].as_u64()?).ok());
+        let (idle, sizes): (Vec<u32>, Vec<u32>) = grains.partition(|grains| *grains == 0);
+        Self { width: run.value("parameters.width").unwrap_or(3.0), sizes, idle: idle.len() }
+    }
+
+    fn mean(&self) -> f64 {
+        mean(&self.sizes)
+    }
+
+    /// Returns the standard error of the mean.
+    fn error(&self) -> f64 {
+        let n = count(&self.sizes);
+        let m = self.mean();
+        let squares: f64 = self.sizes.iter().map(|size| (f64::from(*size) - m).powi(2)).sum();
+        (squares / (n - 1.0) / n).sqrt()
+    }
+
+    /// Returns the excesses of the upper two thirds over the largest size of the lower third.
+    fn tail(&self) -> Vec<u32> {
+        let mut sorted = self.sizes.clone();
+        sorted.sort_unstable();
+        let Some(&start) = sorted.get(sorted.len() / 3) else { return Vec::new() };
+        sorted.into_iter().filter_map(|size| size.checked_sub(start + 1)).collect()
+    }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "other cases can fail")]
+fn judge(studies: &Studies) -> Result<Judgement, Fault> {
+    let mut judgement = Judgement::default();
+    let all: Vec<_> = studies.first_of(&["short.ron", "full.ron"]).iter().map(Avalanches::of).collect();
+    let mut idle = 0;
+    for it in &all {
+        idle += it.idle;
+        rows(it, &mut judgement);
+    }
+    let softest = all.iter().find(|it| (it.width - WIDTH_OF_STIFF).abs() < 1e-9);
+    stiffness(softest, studies.runs("full-stiff.ron"), &mut judgement);
+    let means: Vec<_> = all.iter().map(|it| (it.width, it.mean())).collect();
+    let growth = means.windows(2).map(|two| two[1].1 / two[0].1).fold(f64::INFINITY, f64::min);
+    judgement.rows.push(
+        Row::new("mean size of a width over that of the width before, the smallest", "", growth)
+            .rule(Rule::Between(1.2, 100.0))
+            .remark("sizes grow steeply with the width in all publications"),
+    );
+    let fits = trends(&means, &mut judgement);
+    judgement.pictures.push(Picture {
+        name: "",
+        svg: sheet(&[survival(&all), against_width(&means, fits)], 2),
+        caption: "Left: share of the avalanches with more grains than the size, over the mean size; a straight line is an exponential distribution. \
+                  Right: mean size, with the fits."
+            .to_owned(),
+    });
+    judgement.remarks.push(format!(
+        "Discs with friction 0.5 in a silo 12 diameters wide. The p-value is that of a Kolmogorov-Smirnov test of the upper two thirds of the sizes, with 1000 geometric \
+         samples. {idle} blows moved no grain out and are no avalanches. Published means are those of other grains and silos, so none is a rule here."
+    ));
+    if !studies.runs("full-stiff.ron").is_empty() {
+        judgement.remarks.push(
+            "Arches of soft grains break more easily: the mean size falls with the stiffness, from 2,000 m g/d in the rows of all widths, until it settles between 50,000 and 250,000 m g/d (25 and 125 \
+             times). So the sizes of all widths are those of soft grains."
+                .to_owned(),
+        );
+    }
+    Ok(judgement)
+}
+
+/// Adds the mean sizes with stiffer grains, each beside the one before, from the softest grains on.
+fn stiffness(softest: Option<&Avalanches>, stiff: &[Run], judgement: &mut Judgement) {
+    let Some(softest) = softest else { return };
+    let mut mean = softest.mean();
+    let mut error = softest.error();
+    for run in stiff {
+        let times = 5.0 / run.value("parameters.soft").unwrap_or(f64::NAN);
+        let it = Avalanches::of(run);
+        let name = format!("D = {WIDTH_OF_STIFF} d, grains {} times as stiff: mean size", short(times));
+        let row = Row::new(name, "grains", it.mean())
+            .error(Some(it.error()))
+            .published(mean, Rule::WithinAbsolute(3.0 * it.error().hypot(error)));
+        let remark =
+            "the other value is that of the grains before, a fifth as stiff; the rule is three standard errors";
+        judgement.rows.push(match times {
+            ..10.0 => row.known_miss(format!("arches of soft grains break more easily; {remark}")),
+            _ => row.remark(remark),
+        });
+        (mean, error) = (it.mean(), it.error());
+    }
+}
+
+/// Adds the rows of one width.
+fn rows(it: &Avalanches, judgement: &mut Judgement) {
+    let tail = it.tail();
+    let test = test(&tail);
+    let name = format!("D = {} d", it.width);
+    let m = mean(&tail) + 1.0;
+    judgement.rows.extend([
+        Row::new(format!("{name}: mean size of {} avalanches", it.sizes.len()), "grains", it.mean())
+            .error(Some(it.error())),
+        Row::new(format!("{name}: p-value of an exponential tail"), "", test.p_value)
+            .rule(Rule::Between(SMALLEST_CHANCE, 1.0)),
+        Row::new(format!("{name}: ratio of moments of the tail"), "", ratio_of_moments(&tail))
+            .error(Some(test.spread))
+            .published(2.0 - 1.0 / m, Rule::WithinAbsolute(3.0 * test.spread))
+            .remark("the other value is that of an exponential distribution; the rule is three standard errors"),
+    ]);
+}
+
+/// Adds the rows of both laws and returns their curves.
+fn trends(means: &[(f64, f64)], judgement: &mut Judgement) -> [Vec<(f64, f64)>; 2] {
+    let logarithms: Vec<_> = means.iter().map(|(width, mean)| (*width, mean.ln())).collect();
+    let squares: Vec<_> = logarithms.iter().map(|(width, ln)| (width * width, *ln)).collect();
+    let (Some(first), Some(last)) = (means.first(), means.last()) else { return [Vec::new(), Vec::new()] };
+    let places: Vec<_> = (0..=100).map(|n| first.0 + (last.0 - first.0) * f64::from(n) / 100.0).collect();
+    let mut curves = [Vec::new(), Vec::new()];
+    if let Some(fit) = Law::Line.fit(&squares) {
+        let (slope, error) = named(&fit, "slope").unwrap_or((f64::NAN, None));
+        judgement.rows.push(Row::new("ln(mean) = a + b (D/d)^2: b", "", slope).error(error));
+        let share = named(&fit, "r_squared").map_or(f64::NAN, |found| found.0);
+        judgement.rows.push(Row::new("the same law: share of the variance explained", "", share));
+        curves[0] = places.iter().filter_map(|x| Some((*x, fit.at(x * x)?.exp()))).collect();
+    }
+    // Four points for three numbers.
+    if means.len() > 3 {
+        let candidates = (1..=400).map(|n| last.0 + 0.01 * f64::from(n));
+        if let Some((critical, fit)) = best_line(&logarithms, candidates, |width, critical| (critical - width).ln()) {
+            let (slope, error) = named(&fit, "slope").unwrap_or((f64::NAN, None));
+            judgement.rows.extend([
+                Row::new("mean = A (D_c - D)^-c: D_c/d, spheres 4.94 (Zuriguel, not read in the source)", "", critical),
+                Row::new("the same law: c, spheres 6.9 (not read in the source)", "", -slope).error(error),
+                Row::new(
+                    "the same law: share of the variance explained",
+                    "",
+                    named(&fit, "r_squared").map_or(f64::NAN, |found| found.0),
+                ),
+            ]);
+            curves[1] = places.iter().filter_map(|x| Some((*x, fit.at((critical - x).ln())?.exp()))).collect();
+        }
+    }
+    curves
+}
+
+/// Returns the shares of larger avalanches.
+fn survival(all: &[Avalanches]) -> Panel {
+    let curve = |(number, it): (usize, &Avalanches)| {
+        let mut sorted = it.sizes.clone();
+        sorted.sort_unstable();
+        let n = count(&sorted);
+        let larger = (0..sorted.len()).map(|k| 1.0 - count(&sorted[..=k]) / n);
+        let points = sorted
+            .iter()
+            .map(|size| f64::from(*size) / it.mean())
+            .zip(larger)
+            .filter(|(_, share)| *share > 0.0)
+            .collect();
+        Curve {
+            name: format!("D = {} d", it.width),
+            colour: colour(number + 1),
+            points,
+            has_line: true,
+            ..Curve::default()
+        }
+    };
+    let mut curves: Vec<_> = all.iter().enumerate().map(curve).collect();
+    let points = (0..=60).map(|n| 0.1 * f64::from(n)).map(|x| (x, f64::exp(-x))).filter(|(_, y)| *y > 2e-3).collect();
+    curves.push(Curve {
+        name: "exp(-x)".to_owned(),
+        colour: colour(0),
+        points,
+        has_line: true,
+        is_dashed: true,
+        ..Curve::default()
+    });
+    let y = Axis::logarithmic("share of larger avalanches", [2e-3, 1.0]);
+    Panel { curves, key: Key::LowerLeft, ..Panel::new("Sizes", Axis::linear("size / mean", 0.0, 6.0), y) }
+}
+
+fn against_width(means: &[(f64, f64)], [squared, diverging]: [Vec<(f64, f64)>; 2]) -> Panel {
+    let fitted = |name: &str, number: usize, points: Vec<(f64, f64)>| Curve {
+        name: if points.is_empty() { String::new() } else { name.to_owned() },
+        colour: colour(number),
+        points,
+        has_line: true,
+        is_dashed: number == 2,
+        ..Curve::default()
+    };
+    let dots = Curve { colour: colour(1), points: means.to_vec(), has_dots: true, ..Curve::default() };
+    let curves = vec![fitted("a + b D^2", 0, squared), fitted("critical width", 2, diverging), dots];
+    let x = Axis::around("width of the orifice, diameters", means.iter().map(|point| point.0));
+    let y = Axis::logarithmic("mean size, grains", means.iter().map(|point| point.1));
+    Panel { curves, key: Key::Above, ..Panel::new("Trend", x, y) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+    use crate::studies::validation::verdict::Verdict;
+
+    /// Returns 200 avalanches of a width by a function of a uniform number.
+    fn avalanches(width: f64, of: impl Fn(f64) -> f64) -> Avalanches {
+        let stream = Stream::new(3, "sizes");
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a size of an avalanche")]
+        let sizes = (0..200).map(|counter| of(stream.uniform::<1>(counter)[0]) as u32 + 1).collect();
+        Avalanches { width, sizes, idle: 0 }
+    }
+
+    #[test]
+    fn exponential_sizes_pass_and_uniform_ones_miss() {
+        let misses = |of: fn(f64) -> f64| {
+            let mut judgement = Judgement::default();
+            rows(&avalanches(3.0, of), &mut judgement);
+            judgement.count(Verdict::Miss)
+        };
+        // Only the smallest third does not follow the law.
+        assert_eq!(misses(|u| 5.0 + -40.0 * (1.0 - u).ln()), 0);
+        // Chance and ratio of moments.
+        assert_eq!(misses(|u| 80.0 * u), 2);
+    }
+
+    #[test]
+    fn both_laws_recover_their_numbers() {
+        let mut judgement = Judgement::default();
+        let of = |mean: fn(f64) -> f64| [2.5, 3.0, 3.5, 4.0, 4.5].map(|width| (width, mean(width)));
+        trends(&of(|width| (0.1 + 0.4 * width * width).exp()), &mut judgement);
+        trends(&of(|width| 3e4 * (5.5 - width).powf(-4.0)), &mut judgement);
+        let found: Vec<_> = judgement.rows.iter().map(|row| row.found).collect();
+        // The rows of each law: two of the first, three of the second.
+        assert!((found[0] - 0.4).abs() < 1e-9 && (found[1] - 1.0).abs() < 1e-9, "{found:?}");
+        assert!((found[7] - 5.5).abs() < 1e-9 && (found[8] - 4.0).abs() < 1e-9, "{found:?}");
+    }
+}
