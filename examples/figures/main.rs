@@ -11,10 +11,10 @@ use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
+use siloflow::figures::diagram::{Axis, Curve, figure};
+use siloflow::figures::png;
 use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
-use siloflow::writers::plot::{Axis, Curve, figure};
-use siloflow::writers::png;
 
 const G: f64 = 9.81;
 const V0: Vector = Vector::new(3.0, 2.0);
@@ -173,8 +173,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, draw) in figures.into_iter().filter(|(name, _)| wanted.is_empty() || wanted.iter().any(|w| w == name)) {
         let svg = draw()?;
         let path = directory.join(format!("{name}.svg"));
+        std::fs::write(path.with_extension("png"), png::encode(&svg)?)?;
         std::fs::write(&path, svg)?;
-        png::render_file(&path)?;
     }
     Ok(())
 }

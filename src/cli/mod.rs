@@ -5,6 +5,8 @@ mod accuracy;
 mod check;
 mod compare;
 mod diff;
+#[cfg(all(test, target_os = "linux"))]
+mod disk_recorder;
 mod exit_status;
 mod explain;
 mod export;
@@ -12,8 +14,7 @@ mod export_scene;
 mod from;
 mod new;
 mod plot;
-#[cfg(test)]
-#[cfg(target_os = "linux")]
+#[cfg(all(test, target_os = "linux"))]
 mod power_failure;
 mod progress;
 mod render;
@@ -43,10 +44,10 @@ use clap::{Args, Parser, Subcommand};
 use crate::behaviour::Registry;
 pub use crate::cli::exit_status::EXIT_STATUSES;
 use crate::cli::exit_status::{REFUSED, Verdict};
-use crate::output::run_directory;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::writers::png;
+use siloflow_figures::png;
+use siloflow_files::run_directory;
 use siloflow_text::fault::Fault;
 use siloflow_text::safe::for_terminal;
 

@@ -18,15 +18,16 @@ use crate::lattice_silo::pictures::PicturesPlugin;
 use crate::lattice_silo::series::SeriesPlugin;
 use crate::lattice_silo::summary::{Summary, write_state};
 use crate::output::cost::CostPlugin;
-use crate::output::run_directory::{RunDirectory, names};
+use crate::output::run_path::RunPath;
 use crate::output::summary::Cost;
 use crate::simulation::Simulation;
-use crate::writers::hashes::SummaryFiles;
 use crate::writers::provenance::Provenance;
-use crate::writers::run_files::Damage;
 use siloflow_dem::outcome::End;
 use siloflow_dem::persist::{CheckpointConfig, Section, UnknownState};
 use siloflow_dem::step::Clock;
+use siloflow_files::hashes::SummaryFiles;
+use siloflow_files::run_directory::{RunDirectory, names};
+use siloflow_files::run_files::Damage;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_text::fault::Fault;
@@ -57,8 +58,7 @@ impl Method for LoadedLattice {
             // The behaviours have registered their columns.
             let (series, flow) = outputs(app.world()).map_err(|error| directory.unwritable(&error))?;
             declare_files(app.world(), directory)?;
-            app.provide(directory.resource());
-            app.provide(directory.files().clone());
+            app.provide(RunPath::of(directory));
             app.add("always", CostPlugin);
             app.add("series", series);
             if let Some(flow) = flow {

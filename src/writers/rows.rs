@@ -6,33 +6,14 @@
 //! `0.30000000000000004`), equal in all files of a run, so that rows of several files can be joined by it.
 
 use std::fmt::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 
-use crate::writers::growing::Growing;
-use crate::writers::run_files::{RunFile, RunFiles};
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::Problem;
 use siloflow_dem::space::Linear;
-
-/// The path of a CSV file.
-#[derive(Clone, Debug, Default)]
-pub struct RowsPlace {
-    /// The path.
-    pub path: PathBuf,
-    /// Whether the file belongs to a run that is continued, and so exists.
-    pub is_continued: bool,
-    /// The record of the run's files; an empty one for a file outside a run.
-    pub files: RunFiles,
-}
-
-impl RowsPlace {
-    /// The place of the file in the record. The file is at the top of the run directory.
-    #[must_use]
-    pub fn record(&self) -> RunFile {
-        self.files.file(self.path.file_name().unwrap_or_default().to_string_lossy())
-    }
-}
+use siloflow_files::growing::{Growing, OutputPlace};
+use siloflow_files::run_files::RunFile;
 
 /// An open CSV file.
 #[derive(Debug)]
@@ -46,7 +27,7 @@ impl Rows {
     ///
     /// # Errors
     /// If the file cannot be written, or a new one exists.
-    pub fn at(place: &RowsPlace, header: &str) -> std::io::Result<Self> {
+    pub fn at(place: &OutputPlace, header: &str) -> std::io::Result<Self> {
         Self::started(Growing::at(&place.path, place.record(), b"", place.is_continued)?, header)
     }
 
@@ -55,7 +36,7 @@ impl Rows {
     /// # Errors
     /// If the file exists or cannot be written.
     pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
-        Self::at(&RowsPlace { path: path.to_owned(), ..RowsPlace::default() }, header)
+        Self::at(&OutputPlace { path: path.to_owned(), ..OutputPlace::default() }, header)
     }
 
     /// Opens the file at `path`, to continue it. [`Rows::restore`] says from where.

@@ -1,3 +1,15 @@
-//! The files of siloflow: those of a run directory, and how they are read and written. No physics and no ECS.
+//! The files of siloflow: names, lock and record of a run directory, tables, frames of data, and how they are read and written.
+//! No physics and no ECS.
 
+pub mod binary;
+pub mod disk;
+pub mod fnv;
+pub mod frames;
+pub mod growing;
+pub mod hashes;
+pub mod marked;
 pub mod own_files;
+pub mod run_directory;
+pub mod run_files;
+pub mod table;
+pub mod whole_file;

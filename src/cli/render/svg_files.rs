@@ -4,21 +4,45 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::{refused, say};
-use crate::output::run_directory::{Depth, is_run, refuse_odd};
-use crate::writers::png;
+use siloflow_figures::png;
+use siloflow_files::run_directory::{Depth, is_run, refuse_odd};
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
+use siloflow_text::file;
 
 pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
     let pictures = paths.iter().map(|path| pictures(path)).collect::<Result<Vec<_>, _>>()?;
     let mut has_written = false;
     for svg in pictures.iter().flatten() {
-        match png::render_file(svg) {
+        match render_file(svg) {
             Ok(png) => say(&format!("{}\n", png.display())),
             Err(fault) => return refused(fault, has_written),
         }
         has_written = true;
     }
     Ok(Verdict::Done)
+}
+
+/// Renders an SVG file to a PNG beside it and returns its path.
+///
+/// # Errors
+/// If the file cannot be read, is not SVG, is beyond the limits, or the PNG cannot be written.
+fn render_file(path: &Path) -> Result<PathBuf, Fault> {
+    let path_text = path.display();
+    let svg = file::read_text(path, file::RESULT_BYTES).map_err(|error| {
+        Fault::new("render::read", format!("could not read {path_text}: {error}"))
+            .help(file::remedy(&error, "give SVG files, or run directories"))
+    })?;
+    let drawn = png::encode_within(svg, png::LONGEST_DRAWING).map_err(|error| {
+        Fault::new("render::svg", format!("could not draw {path_text}: {error}"))
+            .help("is it an SVG picture of siloflow?")
+    })?;
+    let target = path.with_extension("png");
+    whole_file::write(&target, &drawn).map_err(|error| {
+        Fault::new("render::write", format!("could not write {}: {error}", target.display()))
+            .help("check free disk space and write permission")
+    })?;
+    Ok(target)
 }
 
 /// The SVG files at a path, in order.

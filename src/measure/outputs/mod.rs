@@ -40,7 +40,7 @@ mod systems;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{BoxedReadOnlySystem, BoxedSystem, ReadOnlySystem};
-use serde::{Deserialize, Serialize};
+use siloflow_files::frames::Scale;
 
 pub(crate) use self::check::{Reserved, refuse};
 pub(crate) use self::systems::{
@@ -62,26 +62,6 @@ pub struct Quantity {
     pub unit: String,
     /// Label of axes and colour bars. Default: the name with spaces.
     pub label: String,
-}
-
-/// Suggestion how a column of grains is coloured.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-pub struct Scale {
-    /// Value with the first colour of the palette.
-    pub from: f64,
-    /// Value with its last colour.
-    pub to: f64,
-    /// The palette.
-    pub palette: Palette,
-}
-
-/// A colour map for numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Palette {
-    /// From dark blue to yellow, for magnitudes.
-    Viridis,
-    /// From blue over white to red, for differences from the middle of the scale.
-    BlueRed,
 }
 
 type MakeSystem = Box<dyn Fn(usize) -> BoxedSystem + Send + Sync>;
@@ -201,7 +181,7 @@ pub trait OutputApp {
     fn column_scale(&mut self, name: &str, scale: Scale) -> &mut Self;
 
     /// Declares a file that this behaviour writes at the top of the run directory
-    /// ([`RunPath`](crate::output::run_directory::RunPath)). A later run in its place removes it.
+    /// ([`RunPath`](crate::output::run_path::RunPath)). A later run in its place removes it.
     fn run_file(&mut self, name: &str) -> &mut Self;
 }
 
