@@ -19,13 +19,13 @@ use std::time::{Duration, Instant};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use siloflow::dem::store::ParticleStore;
+use siloflow::files::growing::OutputPlace;
 use siloflow::grains::file;
 use siloflow::measure::totals;
 use siloflow::output::pictures::during_run::PicturesPlugin;
 use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
 use siloflow::scene::outputs::Series;
-use siloflow::writers::rows::RowsPlace;
 use stopwatch::{PARTS, Stopwatch};
 
 use self::crystal::{Crystal, R, run_further};
@@ -151,7 +151,7 @@ fn rare_work(criterion: &mut Criterion) {
 fn outputs(criterion: &mut Criterion) {
     let bed = Crystal::of(false, 10_000);
     let directory = tempfile::tempdir().expect("a directory for outputs");
-    let series = RowsPlace { path: directory.path().join("series.csv"), ..RowsPlace::default() };
+    let series = OutputPlace { path: directory.path().join("series.csv"), ..OutputPlace::default() };
     let mut group = group(criterion, "outputs, discs, 10000", bed.grains);
     for (name, pictures) in [
         ("a row of series.csv", "None"),

@@ -79,9 +79,9 @@ pub mod prelude {
 
     pub use crate::behaviour::{Behaviour, Registry};
     pub use crate::ledger::Ledger;
-    pub use crate::measure::outputs::{OutputApp, Palette, Scale};
+    pub use crate::measure::outputs::OutputApp;
     pub use crate::measure::{ObserveStage, due, observe_every};
-    pub use crate::output::run_directory::RunPath;
+    pub use crate::output::run_path::RunPath;
     pub use crate::scene::load;
     pub use crate::scene::loaded::Loaded;
     pub use crate::simulation::Simulation;
@@ -100,4 +100,5 @@ pub mod prelude {
     pub use siloflow_dem::survey::pair_map::PairMap;
     pub use siloflow_dem::survey::touching::Touching;
     pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
+    pub use siloflow_files::frames::{Palette, Scale};
 }

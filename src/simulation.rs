@@ -19,16 +19,17 @@ use crate::lattice_silo;
 use crate::lattice_silo::load::LoadedLattice;
 use crate::output::checkpoint::Checkpoints;
 use crate::output::cost::RunCost;
-use crate::output::frame_data::writer::FrameDataWriter;
+use crate::output::frame_recording::writer::FrameWriter;
 use crate::output::losses::LossesFile;
-use crate::output::run_directory::{RunDirectory, RunPath};
+use crate::output::run_path::RunPath;
 use crate::plugins::add_behaviours;
 use crate::scene::loaded::Loaded;
-use crate::writers::frame_writer::FrameWriter;
+use crate::writers::picture_writer::PictureWriter;
 use siloflow_dem::outcome::Failure;
 use siloflow_dem::persist::{self, Problem, Section, UnknownState};
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::store;
+use siloflow_files::run_directory::RunDirectory;
 use siloflow_text::fault::Fault;
 
 /// A run in progress.
@@ -216,10 +217,10 @@ impl Simulation {
         if let Some(mut losses) = world.get_resource_mut::<LossesFile>() {
             losses.place = directory.losses();
         }
-        if let Some(mut frames) = world.get_resource_mut::<FrameDataWriter>() {
+        if let Some(mut frames) = world.get_resource_mut::<FrameWriter>() {
             frames.continue_in(directory.current(), directory.guard())?;
         }
-        let writer = world.get_resource_mut::<FrameWriter>();
+        let writer = world.get_resource_mut::<PictureWriter>();
         writer.map_or(Ok(()), |mut writer| writer.continue_in(directory.frames(), directory.guard()))
     }
 

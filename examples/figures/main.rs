@@ -11,10 +11,10 @@ use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
+use siloflow::figures::diagram::{Axis, Curve, figure};
+use siloflow::figures::png;
 use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
-use siloflow::writers::plot::{Axis, Curve, figure};
-use siloflow::writers::png;
 
 const G: f64 = 9.81;
 const V0: Vector = Vector::new(3.0, 2.0);

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use siloflow::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow::figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// Size, ns, bytes.
 type Row = (f64, f64, f64);

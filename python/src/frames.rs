@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use siloflow::output::frame_data::reader::FrameReader;
-use siloflow::output::frame_data::{Table, Values};
+use siloflow::files::frames::reader::FrameReader;
+use siloflow::files::frames::{Table, Values};
 
 use crate::set_column;
 

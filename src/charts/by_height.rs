@@ -2,8 +2,8 @@
 //! show the last averaging time.
 
 use super::run_files::RunFiles;
-use crate::output::table::Table;
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 
 /// Columns of `wall_bands.csv`: name, title and label.

@@ -3,9 +3,9 @@
 
 use super::by_height::last_rows;
 use super::run_files::RunFiles;
-use crate::output::table::Table;
-use crate::writers::colour::viridis;
-use crate::writers::plot::{Axis, Cell, Panel, Scale};
+use siloflow_figures::colour::viridis;
+use siloflow_figures::diagram::{Axis, Cell, Panel, Scale};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 
 /// A value at a place of a grid: the two coordinates, m, and the value.

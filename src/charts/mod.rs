@@ -18,7 +18,7 @@
 //! Any other column of `series.csv` has a figure of its name.
 //!
 //! The colours of an SVG are attributes, and its elements have classes, which [`STYLE`] gives the colours of a page. Panels over
-//! time have the attributes of [`Panel::clock`](crate::writers::plot::Panel::clock), so that a page can draw a cursor.
+//! time have the attributes of [`Panel::clock`](siloflow_figures::diagram::Panel::clock), so that a page can draw a cursor.
 
 mod by_height;
 mod discharge;
@@ -28,7 +28,7 @@ pub mod rate;
 pub mod run_files;
 
 use crate::charts::run_files::RunFiles;
-use crate::writers::plot::{Panel, sheet};
+use siloflow_figures::diagram::{Panel, sheet};
 use siloflow_text::fault::Fault;
 
 /// A figure of one or several runs.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::run_files::RunFiles;
-use crate::output::table::Table;
-use crate::writers::plot::{Axis, Clock, Curve, Key, Mark, Panel, colour};
+use siloflow_figures::diagram::{Axis, Clock, Curve, Key, Mark, Panel, colour};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 
 /// A column and its name in a legend.

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::output::run_directory::{Depth, refuse_odd};
-use crate::output::table::Table;
-use crate::writers::plot::Mark;
+use siloflow_figures::diagram::Mark;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::{Depth, refuse_odd};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 

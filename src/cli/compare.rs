@@ -14,9 +14,9 @@ use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, check_results, picture_files, refused, say, write_results};
 use crate::compare::report::Report;
 use crate::compare::{Run, compare as compare_runs, pictures, read};
-use crate::output::run_directory::RunDirectory;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
+use siloflow_files::run_directory::RunDirectory;
 use siloflow_text::fault::Fault;
 
 /// Arguments of `compare`.

@@ -15,7 +15,6 @@ use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
 use crate::cli::progress::Progress;
 use crate::cli::say;
-use crate::output::run_directory::{self, Depth, refuse_odd};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
@@ -23,6 +22,7 @@ use crate::studies::diff::{Divergence, Pair};
 use siloflow_dem::outcome::{End, Outcome};
 use siloflow_dem::step::Clock;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::{self, Depth, refuse_odd};
 use siloflow_text::fault::Fault;
 use siloflow_text::source::keys::{Change, changes};
 

@@ -9,15 +9,15 @@ use clap::builder::PossibleValuesParser;
 use crate::cli::exit_status::Verdict;
 use crate::cli::export_scene::{self, LAMMPS};
 use crate::cli::{SceneArgs, help_to_write, say, setting};
-use crate::output::frame_data::columns::Columns;
-use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
-use crate::output::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
 use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::scene::outputs::Format;
+use siloflow_files::frames::columns::Columns;
+use siloflow_files::frames::reader::FrameReader;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
 use siloflow_text::fault::Fault;
 
 /// Arguments of `export`.

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use crate::cli::exit_status::Verdict;
 use crate::cli::{SceneArgs, say, say_aside, unwritable};
 use crate::lammps::{self, DATA, SCRIPT};
-use crate::output::run_directory;
 use crate::scene::loaded::AnyScene;
+use siloflow_files::run_directory;
 use siloflow_text::fault::Fault;
 
 /// The name of the format on the command line.

@@ -10,7 +10,6 @@ use crate::grains::file;
 use crate::ledger::Ledger;
 use crate::output::checkpoint::find;
 use crate::output::parent::Parent;
-use crate::output::run_directory::{RunDirectory, scene_of};
 use crate::output::state_hash;
 use crate::scene::load::{self, StartState};
 use crate::scene::loaded::{AnyScene, Loaded};
@@ -22,6 +21,7 @@ use siloflow_dem::persist::UnknownState;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::store::ParticleStore;
 use siloflow_dem::walls::surfaces::Surfaces;
+use siloflow_files::run_directory::{RunDirectory, scene_of};
 use siloflow_text::fault::Fault;
 
 /// The state of a run from which another starts.

@@ -43,10 +43,10 @@ use clap::{Args, Parser, Subcommand};
 use crate::behaviour::Registry;
 pub use crate::cli::exit_status::EXIT_STATUSES;
 use crate::cli::exit_status::{REFUSED, Verdict};
-use crate::output::run_directory;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::writers::png;
+use siloflow_figures::png;
+use siloflow_files::run_directory;
 use siloflow_text::fault::Fault;
 use siloflow_text::safe::for_terminal;
 

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
 use crate::scene::shipped::{self, SCENES, Shipped};
-use crate::writers::whole_file;
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 use siloflow_text::source::parse::did_you_mean;
 

@@ -16,19 +16,19 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::behaviour::{Behaviour, Registry};
+use crate::cli::disk_recorder::{Disk, Operation, Tree, make, record, tree};
 use crate::cli::run::{resume, run_into};
 use crate::cli::run_path::{Call, Report};
 use crate::cli::signals::Signals;
 use crate::measure::outputs::OutputApp as _;
-use crate::output::run_directory::RunPath;
+use crate::output::run_path::RunPath;
 use crate::output::verification;
 use crate::scene::load;
-use crate::writers::disk::recorder::{Disk, Operation, Tree, make, record, tree};
 use crate::writers::rows::Rows;
-use crate::writers::whole_file;
 use siloflow_dem::outcome::{End, Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::step::{Clock, Phase, Step};
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 
 /// Every kind of output, within few steps.

@@ -9,10 +9,10 @@ use clap::Args;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
-use crate::output::run_directory::report_of;
 use crate::report;
-use crate::writers::whole_file;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::report_of;
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 
 /// Where the report of several runs is written.

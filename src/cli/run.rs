@@ -12,10 +12,10 @@ use crate::cli::run_path::{Call, Report, carry_on, carry_out};
 use crate::cli::signals::Signals;
 use crate::cli::{SceneArgs, say};
 use crate::output::checkpoint::find;
-use crate::output::run_directory::{RunDirectory, scene_of};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use siloflow_dem::values::NonNegative;
+use siloflow_files::run_directory::{RunDirectory, scene_of};
 use siloflow_text::fault::Fault;
 
 /// Arguments of `run`.

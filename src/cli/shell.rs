@@ -9,7 +9,7 @@ use clap_complete::Shell;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::{Cli, say, unwritable};
-use crate::writers::whole_file;
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 
 /// Arguments of `completions`.

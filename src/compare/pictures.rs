@@ -3,10 +3,10 @@
 use crate::compare::Run;
 use crate::compare::field::{Cell, Field};
 use crate::compare::report::{FieldFigures, Report, Row};
-use crate::writers::colour::{WALL, viridis};
-use crate::writers::plot::{Axis, Curve, colour, figure};
-use crate::writers::svg::{Legend, Picture};
 use siloflow_dem::space::Vector;
+use siloflow_figures::colour::{WALL, viridis};
+use siloflow_figures::diagram::{Axis, Curve, colour, figure};
+use siloflow_figures::svg::{Legend, Picture};
 
 /// Returns the pictures of a comparison as pairs of name and SVG document. Fields and cost are drawn for the runs with a field.
 #[must_use]
@@ -154,7 +154,7 @@ fn cost(report: &Report) -> String {
 mod tests {
     use super::*;
     use crate::compare::{compare, tests::run};
-    use crate::writers::png;
+    use siloflow_figures::png;
 
     #[test]
     fn every_picture_shows_every_run_and_is_valid() {

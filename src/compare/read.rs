@@ -16,13 +16,13 @@ use crate::compare::Run;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::measure::flow::FlowMeans;
-use crate::output::run_directory::{Depth, refuse_odd};
-use crate::output::table::Table;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use siloflow_dem::space::Vector;
 use siloflow_dem::walls::silo_file::Disc;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::{Depth, refuse_odd};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 

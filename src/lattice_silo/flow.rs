@@ -10,10 +10,11 @@ use bevy_ecs::prelude::*;
 
 use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::step::Step;
+use siloflow_files::growing::OutputPlace;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_lattice::velocities::{in_bonds, momentum};
@@ -53,7 +54,7 @@ pub(crate) struct FlowPlugin {
 
 impl FlowPlugin {
     /// Creates the file with its header, or continues it.
-    pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(config: Flow, place: &OutputPlace) -> std::io::Result<Self> {
         let file = Rows::at(place, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
         let field = FlowField::new(config.cell.get());
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })

@@ -3,10 +3,10 @@
 use crate::lattice_silo::load::{LoadedLattice, polygon};
 use crate::lattice_silo::scene::LatticeScene;
 use crate::writers::memory::available_memory;
-use crate::writers::png::MOST_PIXELS;
-use crate::writers::svg;
 use crate::writers::volume::{self, Output};
 use siloflow_dem::space::Vector;
+use siloflow_figures::png::MOST_PIXELS;
+use siloflow_figures::svg;
 use siloflow_lattice::rules::Rules;
 use siloflow_lattice::sites::Sites;
 use siloflow_text::fault::Fault;

@@ -15,14 +15,14 @@ use crate::lattice_silo::door::DoorState;
 use crate::lattice_silo::limits;
 use crate::lattice_silo::load::LoadedLattice;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::writers::colour::{self, Rgb};
-use crate::writers::frame_writer::FrameWriter;
-use crate::writers::run_files::RunFiles;
-use crate::writers::svg::{Legend, Picture};
+use crate::writers::picture_writer::PictureWriter;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::space::Vector;
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::values::Positive;
+use siloflow_figures::colour::{self, Rgb};
+use siloflow_figures::svg::{Legend, Picture};
+use siloflow_files::run_files::RunFiles;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_lattice::velocities::in_bonds;
@@ -121,7 +121,7 @@ fn write_picture(
     clock: Res<Clock>,
     (sites, gas, door): (Res<Sites>, Res<Gas>, Option<Res<DoorState>>),
     settings: Res<PictureSettings>,
-    mut frame_writer: ResMut<FrameWriter>,
+    mut picture_writer: ResMut<PictureWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
     let opened = door.as_ref().and_then(|door| door.steps_since(&clock));
@@ -144,7 +144,7 @@ fn write_picture(
     let doors =
         settings.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
     let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
-    frame_writer.add(move || picture, &mut outcome);
+    picture_writer.add(move || picture, &mut outcome);
 }
 
 /// Plugin that writes the pictures.
@@ -164,8 +164,8 @@ impl PicturesPlugin {
 impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
-        FrameWriter::persist(app);
-        let writer = FrameWriter::new(self.1.clone(), self.0.pictures.png);
+        PictureWriter::persist(app);
+        let writer = PictureWriter::new(self.1.clone(), self.0.pictures.png);
         let writer = writer.recorded_in(app.world().get_resource::<RunFiles>());
         app.insert_resource(self.0.clone())
             .insert_resource(writer)

@@ -19,11 +19,12 @@ use std::num::NonZeroU32;
 
 use crate::measure::outputs::{self, SeriesValues};
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Vector;
 use siloflow_dem::step::{Clock, Step};
+use siloflow_files::growing::OutputPlace;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_lattice::velocities::{in_bonds, momentum};
@@ -129,7 +130,7 @@ pub(crate) struct SeriesPlugin {
 
 impl SeriesPlugin {
     /// Creates the file with its header, or continues it. The world has the columns that behaviours have registered.
-    pub fn create(config: Series, world: &World, place: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(config: Series, world: &World, place: &OutputPlace) -> std::io::Result<Self> {
         let header = HEADER.to_owned() + &outputs::names(world);
         Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, last: None }) })
     }

@@ -20,21 +20,22 @@ use bevy_ecs::prelude::*;
 
 use self::file::{FORMAT, Header};
 use crate::ending::StopRequest;
-use crate::output::frame_data::writer::FrameDataWriter;
-use crate::output::run_directory::{
-    RunDirectory, checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints,
-};
-use crate::writers::disk;
-use crate::writers::fnv::Fnv;
-use crate::writers::frame_writer::{FrameWriter, Guard};
-use crate::writers::run_files::RunFiles;
-use crate::writers::whole_file::{remove_if_there, write_synced};
+use crate::output::frame_recording::writer::FrameWriter;
+use crate::writers::picture_writer::PictureWriter;
 use siloflow_dem::outcome::{End, Failure, Outcome};
 use siloflow_dem::persist;
 use siloflow_dem::persist::{CheckpointConfig, CheckpointFigures};
 use siloflow_dem::step::Clock;
 use siloflow_dem::store;
+use siloflow_files::disk;
+use siloflow_files::fnv::Fnv;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::Guard;
+use siloflow_files::run_directory::{
+    RunDirectory, checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints,
+};
+use siloflow_files::run_files::RunFiles;
+use siloflow_files::whole_file::{remove_if_there, write_synced};
 
 /// Largest share of the wall-clock time that checkpoints take by default.
 const LARGEST_SHARE: f64 = 0.01;
@@ -149,8 +150,8 @@ impl Checkpoints {
 /// # Errors
 /// If one could not be written.
 pub(crate) fn close_writers(world: &mut World) -> Result<(), Failure> {
-    let drawn = world.get_resource_mut::<FrameWriter>().map_or(Ok(()), |mut writer| writer.close());
-    let kept = world.get_resource_mut::<FrameDataWriter>().map_or(Ok(()), |mut writer| writer.close());
+    let drawn = world.get_resource_mut::<PictureWriter>().map_or(Ok(()), |mut writer| writer.close());
+    let kept = world.get_resource_mut::<FrameWriter>().map_or(Ok(()), |mut writer| writer.close());
     drawn.and(kept)
 }
 

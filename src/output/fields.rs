@@ -25,13 +25,14 @@ use bevy_ecs::prelude::*;
 use crate::measure::ObserveStage;
 use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::fields::{Blocks, FieldSampler};
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{PersistApp as _, Problem};
 use siloflow_dem::space::Space;
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::store::register_predictable;
 use siloflow_dem::survey::SurveyParam;
+use siloflow_files::growing::OutputPlace;
 
 /// A field that is being averaged.
 struct Running<V: Space> {
@@ -125,7 +126,7 @@ impl<V: Space> FieldsPlugin<V> {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(samplers: Vec<FieldSampler<V>>, place: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(samplers: Vec<FieldSampler<V>>, place: &OutputPlace) -> std::io::Result<Self> {
         let mut header = "field,from_s,to_s,samples,block_s".to_owned();
         (1..=V::COMPONENTS).for_each(|axis| {
             let _ = write!(header, ",x{axis}_m");

@@ -20,12 +20,13 @@ use bevy_ecs::prelude::*;
 use crate::ledger::Ledger;
 use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::particles::Motion;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Plane;
 use siloflow_dem::step::Step;
+use siloflow_files::growing::OutputPlace;
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -66,7 +67,7 @@ impl FlowPlugin {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(config: Flow, place: &OutputPlace) -> std::io::Result<Self> {
         let field = FlowField::new(config.cell.get());
         let file = Rows::at(place, HEADER)?;
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })

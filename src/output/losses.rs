@@ -18,13 +18,14 @@ use std::fmt::Write as _;
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::{ClocksRead, due};
 use crate::scene::outputs::Series;
-use crate::writers::rows::{Rows, RowsPlace};
-use crate::writers::whole_file::remove_if_there;
+use crate::writers::rows::Rows;
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::persist::Problem;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::step::{Part, Phase, Step};
+use siloflow_files::growing::OutputPlace;
+use siloflow_files::whole_file::remove_if_there;
 
 /// Largest number of lost grains that the summary lists.
 pub const IN_SUMMARY: usize = 100;
@@ -33,7 +34,7 @@ pub const IN_SUMMARY: usize = 100;
 #[derive(Resource)]
 pub(crate) struct LossesFile {
     /// The place at which the file will be made.
-    pub(crate) place: RowsPlace,
+    pub(crate) place: OutputPlace,
     rows: Option<Rows>,
     header: &'static str,
 }
@@ -62,7 +63,7 @@ fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outc
     let LossesFile { place, rows, header } = &mut *file;
     let rows = match rows {
         Some(rows) => rows,
-        None => match Rows::at(&RowsPlace { is_continued: false, ..place.clone() }, header) {
+        None => match Rows::at(&OutputPlace { is_continued: false, ..place.clone() }, header) {
             Ok(created) => {
                 ledger.lost[..IN_SUMMARY].iter().for_each(|loss| add(&mut text, loss));
                 rows.insert(created)
@@ -90,7 +91,7 @@ fn add(text: &mut String, loss: &LossRecord) {
 /// Writes `losses.csv`.
 pub struct LossesPlugin {
     /// Place of the file.
-    pub place: RowsPlace,
+    pub place: OutputPlace,
     /// The space of the scene.
     pub space: Dimension,
 }

@@ -23,7 +23,7 @@ use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::profile::{Profile, Sampler, SavedSampler};
 use crate::measure::{ObserveStage, due};
 use crate::scene::outputs::Series;
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
+use crate::writers::rows::{Rows, TakenOnce, numbers};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::particle::Species;
 use siloflow_dem::particles::Motion;
@@ -32,6 +32,7 @@ use siloflow_dem::persist::Problem;
 use siloflow_dem::space::Space;
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::store::register_predictable;
+use siloflow_files::growing::OutputPlace;
 
 /// A profile that is being averaged, of one species or of all.
 #[derive(Clone)]
@@ -165,8 +166,8 @@ impl<V: Space> ProfilesPlugin<V> {
     pub fn create(
         profiles: &[(Profile, f64)],
         species: u8,
-        profiles_place: &RowsPlace,
-        centres_place: &RowsPlace,
+        profiles_place: &OutputPlace,
+        centres_place: &OutputPlace,
     ) -> std::io::Result<Self> {
         let header = format!(
             "profile,from_s,to_s,samples,place_m,species,count,packing_fraction,{},temperature_m2_per_s2",

@@ -26,13 +26,14 @@ use crate::measure::outputs::{self, SeriesValues};
 use crate::measure::totals::Totals;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::scene::outputs::Series;
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::gravity::Gravity;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Space;
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::survey::SurveyParam;
+use siloflow_files::growing::OutputPlace;
 
 /// Returns siloflow's own columns of the file; `tracks_energy` adds those of the energy balance.
 pub(crate) fn header(tracks_energy: bool) -> String {
@@ -103,7 +104,7 @@ impl<V: Space> SeriesPlugin<V> {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(config: Series, tracks_energy: bool, world: &World, place: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(config: Series, tracks_energy: bool, world: &World, place: &OutputPlace) -> std::io::Result<Self> {
         let header = header(tracks_energy) + &outputs::names(world);
         let file = TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })

@@ -14,8 +14,8 @@ use std::convert::Infallible;
 use bevy_ecs::prelude::*;
 
 use crate::grains::grain_snapshot;
-use crate::writers::fnv::Fnv;
 use siloflow_dem::space::{Dimension, Linear, Plane, Solid, Space};
+use siloflow_files::fnv::Fnv;
 
 /// Returns the hash of a world's grains.
 pub fn of_world(world: &mut World) -> u64 {

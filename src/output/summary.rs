@@ -28,10 +28,8 @@ use crate::output::{outflow, state_hash};
 use crate::rest::RestDetector;
 use crate::scene::loaded::Loaded;
 use crate::writers::SUMMARY_FORMAT;
-use crate::writers::hashes::SummaryFiles;
 use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
-use crate::writers::run_files::Damage;
 use siloflow_dem::contact::{Contact, LargestOverlap};
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::neighbours::Rebuilds;
@@ -41,6 +39,8 @@ use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::step::Clock;
 use siloflow_dem::store::ParticleStore;
 use siloflow_dem::threads::Threads;
+use siloflow_files::hashes::SummaryFiles;
+use siloflow_files::run_files::Damage;
 
 /// Content of `summary.json`.
 #[derive(Debug, Serialize)]

@@ -20,15 +20,15 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::output::checkpoint::file::{self, Header, OtherFormat};
-use crate::output::frame_data::reader::FrameReader;
-use crate::output::run_directory::integrity::{Moment, problem};
-use crate::output::run_directory::names::{CHECKPOINTS, FRAME_DATA, HASHES, SUMMARY};
-use crate::output::run_directory::{
+use siloflow_files::frames::reader::FrameReader;
+use siloflow_files::hashes;
+use siloflow_files::own_files;
+use siloflow_files::run_directory::integrity::{Moment, problem};
+use siloflow_files::run_directory::names::{CHECKPOINTS, FRAME_DATA, HASHES, SUMMARY};
+use siloflow_files::run_directory::{
     MARKER, Use, checkpoints_directory, checkpoints_in, frame_data_of, holds_run, watch,
 };
-use crate::writers::hashes;
-use crate::writers::run_files::FileRecord;
-use siloflow_files::own_files;
+use siloflow_files::run_files::FileRecord;
 use siloflow_text::fault::Fault;
 use siloflow_text::file::RESULT_BYTES;
 

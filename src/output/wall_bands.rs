@@ -18,13 +18,14 @@ use bevy_ecs::prelude::*;
 use crate::measure::ObserveStage;
 use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::wall_bands::{BandSampler, SavedBands, WallBands};
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{PersistApp as _, Problem};
 use siloflow_dem::space::{Dimension, Space};
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::store::register_predictable;
 use siloflow_dem::survey::SurveyParam;
+use siloflow_files::growing::OutputPlace;
 
 /// Bands that are being averaged.
 struct Running {
@@ -102,7 +103,7 @@ impl<V: Space> WallBandsPlugin<V> {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(samplers: Vec<BandSampler>, place: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(samplers: Vec<BandSampler>, place: &OutputPlace) -> std::io::Result<Self> {
         let [area, unit] = if V::DIMENSION == Dimension::Solid { ["area_m2", "pa"] } else { ["length_m", "n_per_m"] };
         let header =
             format!("bands,from_s,to_s,samples,low_m,high_m,{area},contacts,pressure_{unit},downward_traction_{unit}");

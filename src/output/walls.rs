@@ -19,13 +19,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::{ObserveStage, due};
 use crate::scene::outputs::Series;
-use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
+use crate::writers::rows::{Rows, TakenOnce, numbers};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{PersistApp as _, Problem};
 use siloflow_dem::space::{Dimension, Space};
 use siloflow_dem::step::{Clock, Part, Phase, Step};
 use siloflow_dem::store::KickAppliedAtEnd;
 use siloflow_dem::walls::surfaces::Surfaces;
+use siloflow_files::growing::OutputPlace;
 
 /// Sums of force, N, and torque, N m, over steps.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
@@ -126,7 +127,7 @@ impl<V: Space> WallForcesPlugin<V> {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn create(names: &[Option<&str>], walls: &RowsPlace, groups: &RowsPlace) -> std::io::Result<Self> {
+    pub fn create(names: &[Option<&str>], walls: &OutputPlace, groups: &OutputPlace) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
         let columns = if is_solid { "fx_n,fy_n,fz_n,tx_nm,ty_nm,tz_nm" } else { "fx_n,fy_n,tz_nm" };
         let mut found: Vec<Group<V>> = Vec::new();

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use crate::report::html::{Section, code, escape, scrolled};
 use crate::report::run::Run;
-use crate::writers::fnv::Fnv;
+use siloflow_files::fnv::Fnv;
 use siloflow_files::own_files;
 use siloflow_text::file;
 use siloflow_text::source::places::Places;

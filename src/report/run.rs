@@ -7,11 +7,11 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::charts::run_files::RunFiles;
-use crate::output::run_directory::scene_of;
-use crate::output::table::Table;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::scene_of;
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 

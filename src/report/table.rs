@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::output::table::Table;
 use crate::report::html::{escape, rounded, scrolled};
+use siloflow_files::table::Table;
 
 /// Most rows of a table that are shown: those of the latest times.
 const MOST_ROWS: usize = 200;

@@ -5,12 +5,12 @@
 
 use std::fmt::Write as _;
 
-use crate::output::table::Table;
 use crate::report::html::{Section, escape, quantity, scrolled};
 use crate::report::run::Run;
 use crate::report::table;
 use crate::scene::loaded::AnyScene;
 use siloflow_dem::walls::config::Wall;
+use siloflow_files::table::Table;
 
 /// Most walls that are listed.
 const MOST_WALLS: usize = 60;

@@ -13,10 +13,10 @@ use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Format;
 use crate::scene::view;
-use crate::writers::svg;
 use crate::writers::volume::Output;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::values::Positive;
+use siloflow_figures::svg;
 
 /// Memory of a grain, B.
 pub const BYTES_PER_GRAIN: f64 = 1000.0;

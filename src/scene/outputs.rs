@@ -39,7 +39,7 @@ pub enum Colour {
     Speed(Positive),
     /// The pressure, from 0 to this, N/m, in solid space N/m^2.
     Pressure(Positive),
-    /// A column of the table `grains` of [`frames.bin`](crate::output::frame_data), and the ends of the scale.
+    /// A column of the table `grains` of [`frames.bin`](siloflow_files::frames), and the ends of the scale.
     Column(String, Finite, Finite),
 }
 
@@ -64,7 +64,7 @@ impl Default for Pictures {
     }
 }
 
-/// The scene's `data_frames`: what [`frames.bin`](crate::output::frame_data) holds.
+/// The scene's `data_frames`: what [`frames.bin`](siloflow_files::frames) holds.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DataFrames {

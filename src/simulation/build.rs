@@ -12,8 +12,6 @@ use crate::behaviour::{Behaviour, Registry};
 use crate::ending::StopRequest;
 use crate::grains::spawner::Pending;
 use crate::measure::outputs::{self, Reserved};
-use crate::output::frame_data::TAKEN_NAMES;
-use crate::output::run_directory;
 use crate::output::series;
 use crate::plugins::{AddPaths, add_all, planar_paths, solid_paths};
 use crate::scene::loaded::Loaded;
@@ -29,6 +27,8 @@ use siloflow_dem::step::{Clock, Part, Step};
 use siloflow_dem::store;
 use siloflow_dem::threads::Threads;
 use siloflow_dem::walls::surfaces::{self, LeavingWalls, Surfaces, WallIndex};
+use siloflow_files::frames::TAKEN_NAMES;
+use siloflow_files::run_directory;
 use siloflow_text::fault::Fault;
 use siloflow_text::source::Source;
 

@@ -4,12 +4,12 @@
 pub mod colour;
 pub mod disk;
 pub mod fnv;
-pub mod frame_writer;
 pub mod growing;
 pub mod hashes;
 pub mod marked;
 pub mod memory;
 pub mod movie;
+pub mod picture_writer;
 pub mod plot;
 pub mod png;
 pub mod provenance;

@@ -9,15 +9,15 @@ use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use crate::writers::growing::Growing;
-use crate::writers::run_files::{RunFile, RunFiles};
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::Problem;
 use siloflow_dem::space::Linear;
+use siloflow_files::growing::Growing;
+use siloflow_files::run_files::{RunFile, RunFiles};
 
 /// The path of a CSV file.
 #[derive(Clone, Debug, Default)]
-pub struct RowsPlace {
+pub struct OutputPlace {
     /// The path.
     pub path: PathBuf,
     /// Whether the file belongs to a run that is continued, and so exists.
@@ -26,7 +26,7 @@ pub struct RowsPlace {
     pub files: RunFiles,
 }
 
-impl RowsPlace {
+impl OutputPlace {
     /// The place of the file in the record. The file is at the top of the run directory.
     #[must_use]
     pub fn record(&self) -> RunFile {
@@ -46,7 +46,7 @@ impl Rows {
     ///
     /// # Errors
     /// If the file cannot be written, or a new one exists.
-    pub fn at(place: &RowsPlace, header: &str) -> std::io::Result<Self> {
+    pub fn at(place: &OutputPlace, header: &str) -> std::io::Result<Self> {
         Self::started(Growing::at(&place.path, place.record(), b"", place.is_continued)?, header)
     }
 
@@ -55,7 +55,7 @@ impl Rows {
     /// # Errors
     /// If the file exists or cannot be written.
     pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
-        Self::at(&RowsPlace { path: path.to_owned(), ..RowsPlace::default() }, header)
+        Self::at(&OutputPlace { path: path.to_owned(), ..OutputPlace::default() }, header)
     }
 
     /// Opens the file at `path`, to continue it. [`Rows::restore`] says from where.

@@ -128,7 +128,7 @@ pub fn target(seed: &Seed, part: u8, changes: &[Change]) {
         steps: 0,
         time: 0.0,
         is_final: false,
-        files: siloflow::writers::run_files::Manifest::default(),
+        files: siloflow::files::run_files::Manifest::default(),
     };
     let mut bytes = Vec::new();
     file::write(&mut bytes, &header, &sections[part..=part]).unwrap();

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use siloflow::dem::walls::silo_file::{self, LengthUnit};
+use siloflow::figures::png;
 use siloflow::grains::file::{self, Kind};
 use siloflow::lattice_silo::load::LoadedLattice;
 use siloflow::prelude::*;
@@ -11,7 +12,6 @@ use siloflow::scene::check;
 use siloflow::text::encoding::decode;
 use siloflow::text::fault::Fault;
 use siloflow::text::source::Source;
-use siloflow::writers::png;
 
 /// Most particles or sites of a scene that is stepped.
 const SMALL: usize = 300;

@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use siloflow::files::frames::Frame;
+use siloflow::files::frames::reader::FrameReader;
 use siloflow::lattice::gas::Gas;
-use siloflow::output::frame_data::Frame;
-use siloflow::output::frame_data::reader::FrameReader;
 use siloflow::prelude::*;
 
 /// Gives each grain a number, and registers outputs in every way.

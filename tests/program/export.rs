@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-use siloflow::output::frame_data::file::FrameFile;
-use siloflow::output::frame_data::reader::FrameReader;
+use siloflow::files::frames::file::FrameFile;
+use siloflow::files::frames::reader::FrameReader;
 
 use crate::command_line::{siloflow, text};
 use crate::run_directory::content;

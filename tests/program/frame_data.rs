@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use siloflow::dem::space::Solid;
-use siloflow::output::frame_data::reader::FrameReader;
-use siloflow::output::frame_data::{Frame, Header, Table};
+use siloflow::files::frames::reader::FrameReader;
+use siloflow::files::frames::{Frame, Header, Table};
 use siloflow::scene::expected;
 
 use crate::command_line::{siloflow, text};

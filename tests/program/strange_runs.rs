@@ -7,10 +7,10 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
+use siloflow::files::frames::file::FrameFile;
+use siloflow::files::frames::reader::FrameReader;
+use siloflow::files::frames::{Column, Frame, Table, Values};
 use siloflow::output::checkpoint::file;
-use siloflow::output::frame_data::file::FrameFile;
-use siloflow::output::frame_data::reader::FrameReader;
-use siloflow::output::frame_data::{Column, Frame, Table, Values};
 
 use crate::command_line::{siloflow, text};
 use crate::resume::{checkpoints, start_run};

@@ -35,8 +35,8 @@ mod tests {
     use std::num::NonZeroUsize;
     use std::path::{Path, PathBuf};
 
-    use siloflow::output::frame_data::Frame;
-    use siloflow::output::frame_data::reader::FrameReader;
+    use siloflow::files::frames::Frame;
+    use siloflow::files::frames::reader::FrameReader;
 
     use super::*;
 

@@ -5,9 +5,9 @@
 
 use super::options::ColourOption;
 use super::selection::round_up;
-use crate::output::frame_data::Header;
 use crate::scene::outputs::Colour;
 use siloflow_dem::values::{Finite, Positive};
+use siloflow_files::frames::Header;
 
 /// The colour that is wanted: known, or with ends that the frames give.
 pub(super) enum Wanted {

@@ -15,21 +15,22 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
 use crate::cli::{help_to_write, say};
-use crate::output::frame_data::columns::Columns;
-use crate::output::frame_data::reader::FrameReader;
-use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures;
 use crate::output::pictures::style::Style;
-use crate::output::run_directory::names::PICTURES;
-use crate::output::run_directory::{
-    Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
-};
 use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
-use crate::writers::movie::MovieWriter;
-use crate::writers::{png, svg, whole_file};
+use siloflow_figures::movie::MovieWriter;
+use siloflow_figures::{png, svg};
+use siloflow_files::frames::columns::Columns;
+use siloflow_files::frames::reader::FrameReader;
+use siloflow_files::frames::{Frame, Header};
 use siloflow_files::own_files;
+use siloflow_files::run_directory::names::PICTURES;
+use siloflow_files::run_directory::{
+    Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
+};
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 
 /// Space of a movie on a slide, px.

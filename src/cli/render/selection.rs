@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::io;
 
 use super::RenderArgs;
-use crate::output::frame_data::columns::Columns;
-use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures::style::speeds;
+use siloflow_files::frames::columns::Columns;
+use siloflow_files::frames::{Frame, Header};
 
 /// Most frames of a movie without `--every`.
 const MOVIE_FRAMES: usize = 200;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::{refused, say};
-use crate::output::run_directory::{Depth, is_run, refuse_odd};
-use crate::writers::png;
+use siloflow_figures::png;
+use siloflow_files::run_directory::{Depth, is_run, refuse_odd};
 use siloflow_text::fault::Fault;
 
 pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {

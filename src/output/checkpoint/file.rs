@@ -17,10 +17,10 @@ use std::path::Path;
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use serde::{Deserialize, Serialize};
 
-use crate::writers::fnv::Fnv;
-use crate::writers::run_files::Manifest;
 use siloflow_dem::persist::{Problem, Section, decode, encode};
+use siloflow_files::fnv::Fnv;
 use siloflow_files::own_files;
+use siloflow_files::run_files::Manifest;
 
 const MAGIC: &[u8; 8] = b"SILOFLOW";
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::output::checkpoint::file::{self, Checkpoint, FORMAT, Header, Packed};
 use crate::output::checkpoint::hash_of_program;
-use crate::output::run_directory::{checkpoints_directory, checkpoints_in, hash_of_input};
 use crate::scene::extent::most_bytes_of_file;
 use crate::scene::loaded::AnyScene;
+use siloflow_files::run_directory::{checkpoints_directory, checkpoints_in, hash_of_input};
 use siloflow_text::fault::Fault;
 
 /// A checkpoint that fits its run, and its path.

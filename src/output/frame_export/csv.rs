@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::flat::FlatTable;
 use super::float;
-use crate::output::frame_data::{Frame, Header};
+use siloflow_files::frames::{Frame, Header};
 
 /// Writes frames into an empty directory.
 ///

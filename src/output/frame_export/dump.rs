@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use super::xyz::plain;
 use super::{cell, float, grain_columns, in_order, number};
-use crate::output::frame_data::{Frame, Header, Values};
+use siloflow_files::frames::{Frame, Header, Values};
 
 /// Returns the text of a frame.
 #[must_use]

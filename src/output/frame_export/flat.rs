@@ -4,7 +4,7 @@
 //! spin is `spin_z`. Other names are those of `frames.bin`.
 
 use super::grain_columns;
-use crate::output::frame_data::{Column, Frame, Header, Values};
+use siloflow_files::frames::{Column, Frame, Header, Values};
 
 /// Names of the tables that frames have.
 pub const TABLES: [&str; 3] = ["grains", "contacts", "wall_contacts"];

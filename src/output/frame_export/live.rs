@@ -7,14 +7,14 @@ use std::io;
 use std::path::Path;
 
 use super::{dump, vtk, xyz};
-use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Format;
-use crate::writers::disk;
-use crate::writers::frame_writer::Guard;
-use crate::writers::growing::Growing;
-use crate::writers::rows::RowsPlace;
 use siloflow_dem::persist::Problem;
+use siloflow_files::disk;
+use siloflow_files::frames::{Frame, Header};
+use siloflow_files::growing::Growing;
+use siloflow_files::growing::OutputPlace;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::Guard;
 
 /// The formats of a run.
 pub struct LiveFormats {
@@ -39,7 +39,7 @@ impl LiveFormats {
     ///
     /// # Errors
     /// If a file cannot be written, or a new one exists.
-    pub fn open(formats: &[Format], header: Header, frames: &RowsPlace) -> io::Result<Self> {
+    pub fn open(formats: &[Format], header: Header, frames: &OutputPlace) -> io::Result<Self> {
         let open = |&format: &Format| {
             let name = format.file_name();
             let path = frames.path.with_file_name(name);

@@ -25,12 +25,12 @@ pub mod xyz;
 use std::io;
 use std::path::Path;
 
-use crate::output::frame_data::columns::Columns;
-use crate::output::frame_data::{Column, Frame, Header, Table, Values};
-use crate::output::run_directory::PartDirectory;
 use crate::scene::outputs::Format;
-use crate::writers::run_files::RunFiles;
-use crate::writers::whole_file;
+use siloflow_files::frames::columns::Columns;
+use siloflow_files::frames::{Column, Frame, Header, Table, Values};
+use siloflow_files::run_directory::PartDirectory;
+use siloflow_files::run_files::RunFiles;
+use siloflow_files::whole_file;
 
 /// A format that frames are converted to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -19,8 +19,8 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type, TypePtr};
 
 use super::flat::FlatTable;
-use crate::output::frame_data::{Frame, Header};
-use crate::output::run_directory::tables_of;
+use siloflow_files::frames::{Frame, Header};
+use siloflow_files::run_directory::tables_of;
 
 /// Rows after which the rows so far are written as a group.
 const GROUP: usize = 1 << 18;

@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 
 use super::grain_columns;
 use super::vtp::PolyData;
-use crate::output::frame_data::{Column, Frame, Header, Table, Values};
 use crate::scene::outputs::Format;
-use crate::writers::growing::Growing;
-use crate::writers::run_files::{Extent, RunFile, RunFiles};
-use crate::writers::whole_file;
+use siloflow_files::frames::{Column, Frame, Header, Table, Values};
+use siloflow_files::growing::Growing;
 use siloflow_files::own_files;
+use siloflow_files::run_files::{Extent, RunFile, RunFiles};
+use siloflow_files::whole_file;
 
 /// A directory of frames that grows.
 #[derive(Debug)]

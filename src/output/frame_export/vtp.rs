@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 
-use crate::output::frame_data::{Column, Values};
+use siloflow_files::frames::{Column, Values};
 use siloflow_text::safe::for_xml;
 
 /// The content of a file.

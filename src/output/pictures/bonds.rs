@@ -4,9 +4,9 @@
 use super::grains::Grains;
 use super::point;
 use super::style::Style;
-use crate::output::frame_data::{Frame, Header, Table};
-use crate::writers::colour::Rgb;
 use siloflow_dem::space::{Solid, Vector};
+use siloflow_figures::colour::Rgb;
+use siloflow_files::frames::{Frame, Header, Table};
 
 /// Bond colours of sticking and of sliding contacts.
 pub(super) const COLOURS: [Rgb; 2] = [[0x1a, 0x1a, 0x1a], [0xf0, 0x6c, 0x00]];

@@ -14,15 +14,15 @@ use super::draw;
 use super::style::Style;
 use crate::measure::outputs;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::output::frame_data::Header;
-use crate::output::frame_data::recording::{Content, FramesRecorded, Observed, Recording};
+use crate::output::frame_recording::{Content, FramesRecorded, Observed, Recording};
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, DataFrames, Pictures};
-use crate::writers::frame_writer::FrameWriter;
-use crate::writers::run_files::RunFiles;
+use crate::writers::picture_writer::PictureWriter;
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::space::Space;
 use siloflow_dem::step::Step;
+use siloflow_files::frames::Header;
+use siloflow_files::run_files::RunFiles;
 use siloflow_text::fault::Fault;
 
 /// Draws the pictures of a run.
@@ -85,7 +85,7 @@ fn draw_frame<V: Space>(
     observed: Observed<V>,
     recording: Option<Res<Recording>>,
     drawing: Res<Drawing>,
-    mut frame_writer: ResMut<FrameWriter>,
+    mut picture_writer: ResMut<PictureWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
     let wanted = &drawing.content;
@@ -100,7 +100,7 @@ fn draw_frame<V: Space>(
         return;
     }
     let Drawing { header, style, .. } = drawing.clone();
-    frame_writer.add(move || draw(&header, &frame, &style), &mut outcome);
+    picture_writer.add(move || draw(&header, &frame, &style), &mut outcome);
 }
 
 impl<V: Space> Plugin for PicturesPlugin<V> {
@@ -109,8 +109,8 @@ impl<V: Space> Plugin for PicturesPlugin<V> {
         if self.has_own_columns {
             outputs::compute_grain_columns(app, due::<Pictures>);
         }
-        FrameWriter::persist(app);
-        let writer = FrameWriter::new(self.directory.clone(), self.pictures.png);
+        PictureWriter::persist(app);
+        let writer = PictureWriter::new(self.directory.clone(), self.pictures.png);
         let writer = writer.recorded_in(app.world().get_resource::<RunFiles>());
         let draw = draw_frame::<V>.in_set(ObserveStage::Write).after(FramesRecorded);
         app.insert_resource(self.drawing.clone())

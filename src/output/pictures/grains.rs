@@ -4,10 +4,10 @@ use rustc_hash::FxHashMap;
 
 use super::style::{Style, speeds};
 use super::{hidden, legend, point};
-use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
-use crate::writers::colour::{self, Rgb};
 use siloflow_dem::space::{Solid, Vector};
+use siloflow_figures::colour::{self, Rgb};
+use siloflow_files::frames::{Frame, Header};
 
 /// Grains, wall grains and door grains of a frame.
 pub(super) struct Grains {

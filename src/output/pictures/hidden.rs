@@ -3,8 +3,8 @@
 //! Discs cover pixels from front to back. A disc can be seen if it covers the middle of a pixel that no disc in front of it covers,
 //! or if it is smaller than a pixel.
 
-use crate::writers::colour::Rgb;
 use siloflow_dem::space::Vector;
+use siloflow_figures::colour::Rgb;
 
 /// Pixels of the check for each pixel of the width: a sliver of less than half a pixel is not seen.
 const FINENESS: f64 = 2.0;

@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
 use super::style::Style;
-use crate::measure::outputs::Palette;
-use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
-use crate::writers::colour::{self, Rgb};
-use crate::writers::svg::Legend;
 use siloflow_dem::space::{Solid, Vector};
+use siloflow_figures::colour::{self, Rgb};
+use siloflow_figures::svg::Legend;
+use siloflow_files::frames::Palette;
+use siloflow_files::frames::{Frame, Header};
 
 pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<String> {
     let title = if header.title.is_empty() { &header.scene } else { &header.title };

@@ -32,9 +32,9 @@ mod walls;
 mod tests;
 
 use self::style::Style;
-use crate::output::frame_data::{Frame, Header};
-use crate::writers::svg::{Finish, Picture};
 use siloflow_dem::space::Solid;
+use siloflow_figures::svg::{Finish, Picture};
+use siloflow_files::frames::{Frame, Header};
 
 /// Returns the picture of a frame.
 #[must_use]

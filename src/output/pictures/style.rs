@@ -1,12 +1,12 @@
 //! The style of a picture: its quantities, its colours and its direction of looking.
 
-use crate::output::frame_data::{Frame, Header};
 use crate::scene::camera::Camera;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::scene::view;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space, Vector};
 use siloflow_dem::walls::surfaces::Surface;
+use siloflow_files::frames::{Frame, Header};
 
 /// Settings that all pictures of a run share. Lengths are in m.
 #[derive(Clone, Debug, PartialEq)]

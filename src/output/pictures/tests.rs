@@ -1,11 +1,11 @@
 use super::style::Style;
 use super::*;
-use crate::output::frame_data::{Column, FORMAT, Table, Values, WallGeometry};
 use crate::scene::camera::{Camera, Direction};
 use crate::scene::outputs::Colour;
-use crate::writers::svg::Legend;
 use siloflow_dem::space::{Dimension, Vector};
 use siloflow_dem::values::{Finite, Positive};
+use siloflow_figures::svg::Legend;
+use siloflow_files::frames::{Column, FORMAT, Table, Values, WallGeometry};
 
 fn header(dimension: u8) -> Header {
     Header {
@@ -94,7 +94,7 @@ fn legend_names_what_is_there() {
     let by_column = Style { colour, ..style(Dimension::Solid, Direction::Front) };
     let picture = draw(&header(3), &frame(&[(0, 0, &[1.0; 3])]), &by_column);
     assert!(matches!(&picture.legend, Legend::Scale { from: 2.0, to: 4.0, title, .. } if title == "heat flow, m"));
-    assert_eq!(picture.discs[0].2, crate::writers::colour::viridis(0.5));
+    assert_eq!(picture.discs[0].2, siloflow_figures::colour::viridis(0.5));
 }
 
 #[test]
@@ -142,13 +142,13 @@ fn walls_are_behind_or_in_front_of_the_grains_and_show_their_borders() {
     let grains = frame(&[(0, 0, &[2.0; 3])]);
     let front = style(Dimension::Solid, Direction::Front);
     let picture = draw(&header, &grains, &front);
-    let area = |patches: &[crate::writers::svg::Patch]| {
+    let area = |patches: &[siloflow_figures::svg::Patch]| {
         let polygons = patches.iter().flat_map(|patch| &patch.polygons);
         polygons.map(|p| 0.5 * (p[1] - p[0]).perp_dot(p[2] - p[0])).sum::<f64>()
     };
     assert!((area(&picture.front) - 1.0).abs() < 1e-12 && (area(&picture.behind) - 4.0).abs() < 1e-12);
     // Four borders; the diagonal is no edge.
-    let edges = |patches: &[crate::writers::svg::Patch]| patches.iter().map(|patch| patch.edges.len()).sum::<usize>();
+    let edges = |patches: &[siloflow_figures::svg::Patch]| patches.iter().map(|patch| patch.edges.len()).sum::<usize>();
     assert_eq!((edges(&picture.front), edges(&picture.behind)), (4, 4));
     // A cut leaves out the wall in front; a wall without ends fills the box of the scene.
     let cut = Style { cut: Some(0.0), endless: vec![2], ..front };
@@ -167,9 +167,9 @@ fn a_round_wall_shows_its_rims_and_its_outline() {
     let wall = SurfaceWall::still(Surface::Revolved(cylinder), Species(0));
     let domain = [Solid::ZERO, Solid::splat(4.0)];
     let mut header = header(3);
-    header.walls = crate::output::frame_data::geometry::walls(&[wall], domain);
+    header.walls = crate::output::frame_recording::geometry::walls(&[wall], domain);
     let picture = draw(&header, &frame(&[(0, 0, &[2.0; 3])]), &style(Dimension::Solid, Direction::Iso));
     let edges = picture.front.iter().chain(&picture.behind).map(|patch| patch.edges.len()).sum::<usize>();
     // Two rims of as many edges as there are sectors, and two lines of the outline.
-    assert_eq!(edges, 2 * crate::output::frame_data::geometry::SECTORS as usize + 2);
+    assert_eq!(edges, 2 * crate::output::frame_recording::geometry::SECTORS as usize + 2);
 }

@@ -7,10 +7,10 @@
 use super::clip::{self, HalfSpace};
 use super::edges::{Face, edges};
 use super::style::Style;
-use crate::output::frame_data::{Header, WallGeometry};
-use crate::writers::colour::{self, Rgb};
-use crate::writers::svg::Patch;
 use siloflow_dem::space::{Solid, Vector};
+use siloflow_figures::colour::{self, Rgb};
+use siloflow_figures::svg::Patch;
+use siloflow_files::frames::{Header, WallGeometry};
 
 /// Opacity of surfaces behind and in front of the grains.
 const OPACITY: [f64; 2] = [0.16, 0.05];

@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::grains::{Grains, damaged, order};
 use super::scale::Spread;
-use crate::output::frame_data::{Frame, Header};
+use siloflow_files::frames::{Frame, Header};
 
 /// Facts about all frames of a run.
 #[derive(Default)]

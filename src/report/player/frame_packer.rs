@@ -17,7 +17,7 @@ use super::links;
 use super::plan::Plan;
 use super::scale::{NO_LEVEL, TOP};
 use super::wall_shapes::WallShapes;
-use crate::output::frame_data::{Frame, Header};
+use siloflow_files::frames::{Frame, Header};
 
 /// Packs frames one after the other.
 pub(super) struct FramePacker<'a> {

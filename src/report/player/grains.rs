@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::output::frame_data::{Frame, Table, Values};
+use siloflow_files::frames::{Frame, Table, Values};
 
 /// Returns the error of a file that does not keep its own rules.
 pub(super) fn damaged(what: &str) -> io::Error {

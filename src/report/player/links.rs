@@ -12,7 +12,7 @@
 use super::bytes::{length, put, put_signed};
 use super::grid::Grid;
 use super::scale::Scale;
-use crate::output::frame_data::{Frame, Table};
+use siloflow_files::frames::{Frame, Table};
 
 /// Highest level of a force.
 pub(super) const TOP_FORCE: f64 = 127.0;

@@ -40,9 +40,9 @@ mod wall_shapes;
 use std::io;
 use std::path::Path;
 
-use crate::output::run_directory::frame_data_of;
 use crate::scene::extent::OF_UNKNOWN_SCENE;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::frame_data_of;
 
 /// Most characters of the data of a run, unless the caller gives another number.
 pub const BUDGET: usize = 12_000_000;

@@ -21,8 +21,8 @@ use super::facts::Facts;
 use super::frame_packer::FramePacker;
 use super::plan::Plan;
 use super::scale::TOP;
-use crate::output::frame_data::reader::FrameReader;
-use crate::output::frame_data::{Frame, Header};
+use siloflow_files::frames::reader::FrameReader;
+use siloflow_files::frames::{Frame, Header};
 
 /// Level of the compression: higher ones take twice the time for 2 % less.
 const LEVEL: u32 = 6;

@@ -4,7 +4,7 @@ use super::facts::{Facts, QuantityFacts};
 use super::grid::Grid;
 use super::scale::Scale;
 use super::thinning::Thinning;
-use crate::output::frame_data::Header;
+use siloflow_files::frames::Header;
 
 /// How the frames of a run are packed.
 pub(super) struct Plan {

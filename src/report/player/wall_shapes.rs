@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 
 use super::bytes::{length, put, put_signed};
 use super::grid::Grid;
-use crate::output::frame_data::WallGeometry;
+use siloflow_files::frames::WallGeometry;
 
 /// Points of a wall in steps of the grid.
 type Points = Vec<[i32; 3]>;

@@ -4,11 +4,11 @@ use crate::scene::camera::Direction;
 use crate::scene::expected;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
-use crate::writers::png::{MOST_PIXELS, MOST_SHAPES};
 use crate::writers::volume;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::Positive;
 use siloflow_dem::walls::config::Wall;
+use siloflow_figures::png::{MOST_PIXELS, MOST_SHAPES};
 use siloflow_text::fault::Fault;
 
 /// Most bins of all profiles, each counted for every species: their sums take about 100 B a bin.

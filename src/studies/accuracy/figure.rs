@@ -5,7 +5,7 @@
 
 use super::report::{Entry, Report, SUMMARY};
 use super::work_precision::{geometric_mean, pareto};
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// Panels per row.
 const PER_ROW: usize = 4;

@@ -23,13 +23,13 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::output::checkpoint::find;
-use crate::output::run_directory::{scene_of, summary_of};
 use crate::studies::sweep::figures::is_failure;
 use crate::studies::sweep::{Sweep, Task};
-use crate::writers::fnv::Fnv;
-use crate::writers::marked::foreign_entry;
-use crate::writers::whole_file;
+use siloflow_files::fnv::Fnv;
+use siloflow_files::marked::foreign_entry;
 use siloflow_files::own_files;
+use siloflow_files::run_directory::{scene_of, summary_of};
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 use siloflow_text::file::{self, BoundedFile};
 use siloflow_text::source::Source;

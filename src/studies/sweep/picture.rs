@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use crate::studies::sweep::Sweep;
 use crate::studies::sweep::fit::{Fitted, short};
 use crate::studies::sweep::table::{Cell, csv};
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// Most curves of a panel: the number of colours other than that of the fit.
 const MOST_CURVES: usize = 6;

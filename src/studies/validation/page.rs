@@ -10,12 +10,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::output::table::Table;
 use crate::studies::sweep::fit::short;
 use crate::studies::validation::cases::CASES;
 use crate::studies::validation::verdict::{Judgement, Picture, Verdict};
 use crate::studies::validation::{Case, Form, unreadable};
 use siloflow_files::own_files;
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 

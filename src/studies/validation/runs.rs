@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::charts::run_files::RunFiles;
-use crate::output::table::Table;
 use crate::studies::sweep::directory::SweepDirectory;
 use crate::studies::sweep::figures::{figure, is_failure};
 use crate::studies::sweep::{Sweep, Task};
 use crate::studies::validation::numbers::{between, slope};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 
 /// A run that is over.

@@ -13,9 +13,9 @@
 
 use std::path::Path;
 
-use crate::output::frame_data::Frame;
-use crate::output::frame_data::reader::FrameReader;
 use crate::studies::validation::unreadable;
+use siloflow_files::frames::Frame;
+use siloflow_files::frames::reader::FrameReader;
 use siloflow_text::fault::Fault;
 
 /// Frames between the starts of tracers.

@@ -29,6 +29,6 @@ pub use vectors::vectors;
 /// Asserts that an SVG document renders to a non-empty picture.
 #[cfg(test)]
 fn renders(svg: &str) {
-    let png = crate::writers::png::encode(svg).unwrap();
+    let png = siloflow_figures::png::encode(svg).unwrap();
     assert!(png.len() > 1000, "an empty picture");
 }

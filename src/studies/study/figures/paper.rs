@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 
-use crate::writers::colour::{Rgb, hex};
 use siloflow_dem::space::Vector;
+use siloflow_figures::colour::{Rgb, hex};
 use siloflow_lattice::velocities::in_bonds;
 use siloflow_text::safe::for_xml;
 

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use super::paper::{Anchor, FAINT, INK, Lattice, Paper, Pen};
 use super::site::{incoming, outgoing, sum_pen};
-use crate::writers::colour::{hex, viridis};
 use siloflow_dem::space::Vector;
+use siloflow_figures::colour::{hex, viridis};
 use siloflow_lattice::collisions::{Collisions, place};
 use siloflow_lattice::velocities::{DOWN, STEPS, momentum};
 

@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 
 use crate::lattice_silo::pictures::{Cell, grey};
-use crate::writers::colour::Rgb;
+use siloflow_figures::colour::Rgb;
 
 /// Number of grey levels.
 pub(super) const LEVELS: u8 = 16;

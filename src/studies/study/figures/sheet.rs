@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use super::paper::{Anchor, INK, Paper, Pen};
 use super::shading::{LEVELS, paths, shade};
 use crate::lattice_silo::pictures::Cell;
-use crate::writers::colour::hex;
 use siloflow_dem::space::Vector;
+use siloflow_figures::colour::hex;
 
 const WIDTH: f64 = 900.0;
 const MARGIN: f64 = 10.0;

@@ -1,7 +1,7 @@
 //! Draws a site and its particles: an arrow of the length of a step for each mover, a full dot for a particle at rest.
 
 use super::paper::{FAINT, INK, Lattice, NEAREST, Paper, Pen, SECOND};
-use crate::writers::colour::Rgb;
+use siloflow_figures::colour::Rgb;
 use siloflow_lattice::velocities::{MOVERS, STEPS, directions};
 
 /// Gap between the site and the arrows, px.

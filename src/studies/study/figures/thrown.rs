@@ -3,8 +3,8 @@
 use super::flights::{Flights, STEPS, expected, mean, parabola, parabola_holds_until};
 use super::paper::{Anchor, INK, NEAREST, Paper, Pen, SECOND};
 use super::plot::Plot;
-use crate::writers::colour::Rgb;
 use siloflow_dem::space::Vector;
+use siloflow_figures::colour::Rgb;
 
 /// Largest number of single traces that are drawn.
 const MOST_TRACES: usize = 12;

@@ -10,7 +10,7 @@ use crate::studies::validation::numbers::{between, interpolated, mean, slope};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_text::fault::Fault;
 
 /// The case.

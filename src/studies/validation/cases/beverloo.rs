@@ -28,7 +28,7 @@ use crate::studies::validation::numbers::{groups_by, mean_of};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::sheet;
+use siloflow_figures::diagram::sheet;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -18,7 +18,7 @@ use crate::studies::validation::numbers::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::{Curve, colour, sheet};
+use siloflow_figures::diagram::{Curve, colour, sheet};
 use siloflow_text::fault::Fault;
 
 /// The sweep files, one for each test.

@@ -13,13 +13,13 @@ use std::f64::consts::PI;
 
 use self::lead::Zone;
 
-use crate::output::table::Table;
 use crate::studies::sweep::fit::short;
 use crate::studies::validation::numbers::{interpolated, mean};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -10,14 +10,14 @@
 //!
 //! The rebound is chaotic and is not compared.
 
-use crate::output::table::Table;
 use crate::studies::study::results::Mean;
 use crate::studies::sweep::fit::digits;
 use crate::studies::validation::numbers::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -10,7 +10,7 @@ use crate::studies::validation::numbers::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
 use siloflow_text::fault::Fault;
 
 /// The case.
@@ -161,7 +161,7 @@ fn discharge_panel(left: Vec<(f64, f64)>) -> Panel {
     ];
     let [x, y] = [("time after the opening, s", 4.0), ("grains left, thousands", 100.0)]
         .map(|(label, to)| Axis::linear(label, 0.0, to));
-    Panel { curves, key: crate::writers::plot::Key::LowerLeft, ..Panel::new("Large orifice, M1", x, y) }
+    Panel { curves, key: siloflow_figures::diagram::Key::LowerLeft, ..Panel::new("Large orifice, M1", x, y) }
 }
 
 /// Returns a panel of rates.

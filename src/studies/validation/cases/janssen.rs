@@ -21,7 +21,7 @@ use crate::studies::validation::numbers::mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::sheet;
+use siloflow_figures::diagram::sheet;
 use siloflow_text::fault::Fault;
 
 /// The case.
@@ -187,7 +187,7 @@ fn shares(tall: &[&Silo<'_>], highest: f64, rows: &mut Vec<Row>) {
 }
 
 /// Adds the rows of the load on the floor against the filled mass, and returns their panel.
-fn fillings(silos: &[Silo<'_>], rows: &mut Vec<Row>) -> crate::writers::plot::Panel {
+fn fillings(silos: &[Silo<'_>], rows: &mut Vec<Row>) -> siloflow_figures::diagram::Panel {
     let mut curves = Vec::new();
     for number in [0, 1] {
         let points: Vec<_> = silos

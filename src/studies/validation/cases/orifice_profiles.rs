@@ -18,7 +18,7 @@ use crate::studies::validation::numbers::{self, best_line, groups_by, named};
 use crate::studies::validation::runs::Studies;
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -4,7 +4,7 @@ use super::bed::{Silo, rate};
 use crate::studies::study::results::Mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Row, Rule};
-use crate::writers::plot::{Axis, Curve, Panel, colour};
+use siloflow_figures::diagram::{Axis, Curve, Panel, colour};
 use siloflow_text::fault::Fault;
 
 /// Runs of one slot, by height; those that clogged do not count.

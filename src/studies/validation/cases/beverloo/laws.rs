@@ -2,7 +2,7 @@
 
 use super::bed::Silo;
 use crate::studies::validation::least_squares::{Fit, fit};
-use crate::writers::plot::{Axis, Curve, Panel, colour};
+use siloflow_figures::diagram::{Axis, Curve, Panel, colour};
 
 /// Fits to rates in units of the bed.
 pub(super) struct Laws {

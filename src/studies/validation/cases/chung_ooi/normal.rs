@@ -8,11 +8,11 @@ use std::f64::consts::PI;
 
 use super::published::{ALLOY_BY_OVERLAP, ALLOY_BY_TIME, GLASS_BY_OVERLAP, GLASS_BY_TIME};
 use super::{Points, bounded, by_axis, deviation, dots, end, line};
-use crate::output::frame_data::reader::FrameReader;
 use crate::studies::validation::runs::Run;
 use crate::studies::validation::unreadable;
 use crate::studies::validation::verdict::{Row, Rule};
-use crate::writers::plot::{Axis, Panel};
+use siloflow_figures::diagram::{Axis, Panel};
+use siloflow_files::frames::reader::FrameReader;
 use siloflow_text::fault::Fault;
 
 /// An elastic impact of two materials. The first has published curves.

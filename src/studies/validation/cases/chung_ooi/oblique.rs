@@ -10,7 +10,7 @@ use super::{Points, bounded, by_axis, deviation, dots, end, line};
 use crate::studies::validation::numbers::{between, interpolated};
 use crate::studies::validation::runs::Run;
 use crate::studies::validation::verdict::{Row, Rule};
-use crate::writers::plot::{Axis, Curve, Key, Panel};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel};
 use siloflow_text::fault::Fault;
 
 /// Speed of test 4, m/s.

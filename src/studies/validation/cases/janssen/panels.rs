@@ -3,7 +3,7 @@
 use super::profile::{Profile, vanel_clement};
 use super::standard::wheat;
 use super::{DIAMETER, Silo};
-use crate::writers::plot::{Axis, Curve, Key, Mark, Panel, colour};
+use siloflow_figures::diagram::{Axis, Curve, Key, Mark, Panel, colour};
 
 /// Points of a line, or dots.
 fn curve(name: &str, number: usize, points: Vec<(f64, f64)>, is_line: bool) -> Curve {

@@ -1,0 +1,169 @@
+//! Writes the frames of a run in order, on a separate thread.
+//!
+//! The run sends each [`Frame`] to the thread and continues. Sorting bytes, compressing and writing take longer than some steps.
+//! The queue holds at most [`MAX_WAITING_FRAMES`], so that memory is bounded; if it is full, the run blocks. An error is reported
+//! when a later frame is added, or at the end of the run, which blocks until all frames are written.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+
+use super::Frame;
+use super::file::FrameFile;
+use crate::output::frame_export::live::{LiveFormats, SavedFormats};
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::persist::PersistApp as _;
+use siloflow_files::run_directory::Guard;
+
+/// Largest number of queued frames.
+pub const MAX_WAITING_FRAMES: usize = 4;
+
+/// Writes the frames of a run.
+#[derive(Resource)]
+pub struct FrameWriter {
+    /// The files, while no thread writes to them.
+    files: Option<Files>,
+    /// The thread; it starts with the first frame.
+    thread: Option<WriterThread>,
+}
+
+/// `frames.bin`, and the formats of other programs that the scene wants.
+struct Files {
+    frames: FrameFile,
+    formats: LiveFormats,
+}
+
+struct WriterThread {
+    queue: SyncSender<Arc<Frame>>,
+    thread: JoinHandle<(Files, Result<(), Failure>)>,
+}
+
+impl FrameWriter {
+    /// Returns a writer that adds to these files.
+    #[must_use]
+    pub fn new(frames: FrameFile, formats: LiveFormats) -> Self {
+        Self { files: Some(Files { frames, formats }), thread: None }
+    }
+
+    /// Saves the lengths of the files with each checkpoint. A restored run removes all later frames.
+    pub(crate) fn persist(app: &mut App) {
+        app.persist_sound_part::<Self, (u64, SavedFormats)>(
+            |writer| {
+                let files = writer.files.as_ref().ok_or("frames are still being written")?;
+                Ok((files.frames.file.length(), files.formats.saved()))
+            },
+            |writer, (length, formats)| {
+                let Some(files) = &mut writer.files else { return Ok(()) };
+                files.frames.file.restore(length)?;
+                files.formats.restore(&formats)
+            },
+        );
+    }
+
+    /// Blocks until all frames are written. Later ones go to the run directory `run`, to which the caller moves the present files.
+    ///
+    /// # Errors
+    /// If a frame could not be written.
+    pub fn continue_in(&mut self, run: &Path, guard: Guard) -> Result<(), Failure> {
+        self.close()?;
+        if let Some(files) = &mut self.files {
+            files.formats.continue_in(run, guard);
+        }
+        Ok(())
+    }
+
+    /// Queues a frame. If the run has ended, this is the last frame and the call blocks until all are written.
+    ///
+    /// A frame that cannot be written makes the run fail.
+    pub fn add(&mut self, frame: Arc<Frame>, outcome: &mut Outcome) {
+        let added = self.send(frame);
+        let result = if outcome.end().is_some() { added.and_then(|()| self.close()) } else { added };
+        if let Err(failure) = result {
+            outcome.fail(failure);
+        }
+    }
+
+    fn send(&mut self, frame: Arc<Frame>) -> Result<(), Failure> {
+        if let Some(files) = self.files.take() {
+            self.thread = Some(WriterThread::start(files)?);
+        }
+        // Sending fails only if the thread has ended with an error, which `close` returns.
+        let is_sent = self.thread.as_ref().is_none_or(|thread| thread.queue.send(frame).is_ok());
+        if is_sent { Ok(()) } else { self.close() }
+    }
+
+    /// Blocks until all frames are written.
+    ///
+    /// # Errors
+    /// If a frame could not be written.
+    pub fn close(&mut self) -> Result<(), Failure> {
+        let Some(WriterThread { queue, thread }) = self.thread.take() else { return Ok(()) };
+        drop(queue);
+        let (files, result) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        self.files = Some(files);
+        result
+    }
+}
+
+impl Drop for FrameWriter {
+    /// Blocks until all frames are written. An error is ignored, because a run that drops the writer early has already reported
+    /// its failure.
+    fn drop(&mut self) {
+        if let Some(WriterThread { queue, thread }) = self.thread.take() {
+            drop(queue);
+            let _ = thread.join();
+        }
+    }
+}
+
+impl WriterThread {
+    fn start(files: Files) -> Result<Self, Failure> {
+        let (queue, frames) = sync_channel(MAX_WAITING_FRAMES);
+        let name = files.frames.file.name().to_owned();
+        let thread = std::thread::Builder::new().name("frames".to_owned()).spawn(move || write_all(files, &frames));
+        let thread = thread.map_err(|error| failed(name, &error))?;
+        Ok(Self { queue, thread })
+    }
+}
+
+/// Writes frames until the queue is closed.
+fn write_all(mut files: Files, frames: &Receiver<Arc<Frame>>) -> (Files, Result<(), Failure>) {
+    let result = frames.iter().try_for_each(|frame| {
+        let Files { frames, formats } = &mut files;
+        frames.add(&frame).map_err(|error| failed(frames.file.name().to_owned(), &error))?;
+        formats.add(&frame).map_err(|(name, error)| failed(name.to_owned(), &error))
+    });
+    (files, result)
+}
+
+fn failed(path: String, reason: &impl ToString) -> Failure {
+    Failure::Output { path, reason: reason.to_string() }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::super::reader::tests::header;
+    use super::*;
+    use siloflow_dem::outcome::End;
+    use siloflow_files::growing::Growing;
+    use siloflow_files::growing::OutputPlace;
+
+    #[test]
+    fn a_full_disk_ends_the_run() {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let file = FrameFile { file: Growing::of(full, "frames.bin") };
+        let formats = LiveFormats::open(&[], header(), &OutputPlace::default()).unwrap();
+        let mut writer = FrameWriter::new(file, formats);
+        let mut outcome = Outcome::default();
+        writer.add(Arc::default(), &mut outcome);
+        outcome.finish(End::Empty);
+        writer.add(Arc::default(), &mut outcome);
+        let Some(End::Failed(Failure::Output { path, reason })) = outcome.end() else { panic!("{outcome:?}") };
+        assert!(path == "frames.bin" && reason.contains("space"), "{reason}");
+        assert_eq!(writer.files.as_ref().map(|files| files.frames.file.length()), Some(0));
+    }
+}
