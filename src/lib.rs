@@ -55,6 +55,7 @@ pub mod report;
 pub mod rest;
 pub mod scene;
 pub mod simulation;
+pub mod statistics;
 pub mod studies;
 pub mod writers;
 

@@ -17,6 +17,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::fields::Blocks;
+use crate::statistics::student::t_95;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::Space;
 use siloflow_dem::values::{Finite, FiniteVector, NonNegative, Positive};
@@ -26,10 +27,6 @@ pub const BLOCKS: usize = 16;
 
 /// Number of samples of velocities in a window.
 pub const SAMPLES: u32 = 128;
-
-/// Student's t of the 95 % confidence interval for 1, 2, ... 15 degrees of freedom.
-const STUDENT: [f64; BLOCKS - 1] =
-    [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131];
 
 /// The scene key `outflow`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -249,7 +246,7 @@ impl Rate {
         let n = rates.len() as f64;
         let mean = rates.iter().sum::<f64>() / n;
         let squares: f64 = rates.iter().map(|rate| (rate - mean).powi(2)).sum();
-        let half = (rates.len() > 1).then(|| STUDENT[rates.len() - 2] * (squares / (n - 1.0) / n).sqrt());
+        let half = (rates.len() > 1).then(|| t_95(rates.len() - 1) * (squares / (n - 1.0) / n).sqrt());
         Self { mean, low: half.map(|half| mean - half), high: half.map(|half| mean + half) }
     }
 }

@@ -12,6 +12,7 @@ use super::cases::bed;
 use super::{SCHEMES, trial};
 use crate::behaviour::Registry;
 use crate::simulation::Simulation;
+use crate::statistics::mean::median;
 
 /// t_c/dt of the timed runs.
 const STEPS_PER_CONTACT: f64 = 20.4;
@@ -52,11 +53,4 @@ fn nanoseconds_per_step(simulation: &mut Simulation) -> f64 {
     let seconds = start.elapsed().as_secs_f64();
     let steps = simulation.world().resource::<siloflow_dem::step::Clock>().steps - before;
     1e9 * seconds / steps.max(1) as f64
-}
-
-/// Returns the median (the upper one of an even count); `None` if `values` is empty.
-#[must_use]
-pub fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

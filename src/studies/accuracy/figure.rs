@@ -4,7 +4,8 @@
 //! depend on the machine. The other figure shows the bed and the mean of the bounces against measured nanoseconds.
 
 use super::report::{Entry, Report, SUMMARY};
-use super::work_precision::{geometric_mean, pareto};
+use super::work_precision::pareto;
+use crate::statistics::mean::geometric_mean;
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// Panels per row.

@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::SCHEMES;
 use super::ladder::Climb;
-use super::work_precision::{Needed, geometric_mean, needed, pareto};
+use super::work_precision::{Needed, needed, pareto};
+use crate::statistics::mean::geometric_mean;
 
 /// Target errors whose cost is reported.
 pub const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];

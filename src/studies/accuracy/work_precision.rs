@@ -94,14 +94,6 @@ pub fn pareto(points: &[(f64, f64)]) -> Vec<bool> {
     points.iter().map(|&point| point.1.is_finite() && !points.iter().any(|&other| beats(other, point))).collect()
 }
 
-/// Returns the geometric mean; `None` if `values` is empty.
-#[must_use]
-pub fn geometric_mean(values: &[f64]) -> Option<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "a small number")]
-    let count = values.len() as f64;
-    (!values.is_empty()).then(|| (values.iter().map(|value| value.ln()).sum::<f64>() / count).exp())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -134,6 +126,5 @@ mod tests {
     fn pareto_front_has_exactly_the_undominated_points() {
         let points = [(1.0, 0.5), (2.0, 0.1), (2.0, 0.2), (3.0, 0.1), (4.0, f64::INFINITY), (5.0, 0.01)];
         assert_eq!(pareto(&points), [true, true, false, false, false, true]);
-        assert!((geometric_mean(&[1.0, 4.0]).unwrap() - 2.0).abs() < 1e-15);
     }
 }

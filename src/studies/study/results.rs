@@ -3,30 +3,9 @@
 use std::collections::BTreeSet;
 
 use crate::lattice_silo::observables::Quantity;
+use crate::statistics::mean::Mean;
 use crate::studies::study::plan::Variant;
 use crate::studies::study::replica::Replica;
-
-/// A mean with its standard error, 0 for a single value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mean {
-    /// The mean.
-    pub value: f64,
-    /// The standard error of the mean.
-    pub error: f64,
-}
-
-impl Mean {
-    /// Computes the mean of some values; `None` if there are no values.
-    #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "a few seeds")]
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let n = values.len() as f64;
-        let value = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|x| (x - value).powi(2)).sum();
-        let error = if values.len() > 1 { (squares / (n - 1.0) / n).sqrt() } else { 0.0 };
-        (!values.is_empty()).then_some(Self { value, error })
-    }
-}
 
 /// All replicas of a study.
 #[derive(Debug)]
@@ -57,19 +36,5 @@ impl Results {
     #[must_use]
     pub fn mean(&self, silo: &str, variant: &Variant, quantity: &Quantity) -> Option<Mean> {
         Mean::of(&self.values(silo, variant, quantity))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_error_is_the_standard_error_of_the_mean() {
-        // The variance of 1, 2, 3, 4 with n - 1 is 5/3, the variance of their mean 5/12.
-        let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
-        assert!((mean.value - 2.5).abs() < 1e-15 && (mean.error - (5.0f64 / 12.0).sqrt()).abs() < 1e-15);
-        assert_eq!(Mean::of(&[7.0]), Some(Mean { value: 7.0, error: 0.0 }));
-        assert_eq!(Mean::of(&[]), None);
     }
 }

@@ -7,8 +7,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use crate::statistics::digits::short;
+use crate::statistics::fit::Fitted;
 use crate::studies::sweep::Sweep;
-use crate::studies::sweep::fit::{Fitted, short};
 use crate::studies::sweep::table::{Cell, csv};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 

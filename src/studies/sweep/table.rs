@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use crate::studies::study::results::Mean;
+use crate::statistics::mean::Mean;
 use crate::studies::sweep::{Sweep, Task, figures};
 
 /// A run as the tables need it.

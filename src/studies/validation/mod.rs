@@ -5,8 +5,7 @@
 //! | the cases, one file each | [`cases`] |
 //! | the finished runs of a case | [`runs`] |
 //! | rows of a verdict: figure, published figure, rule | [`verdict`] |
-//! | numbers of several cases: means over seeds, slopes | [`numbers`] |
-//! | fits of laws that are not straight lines | [`least_squares`] |
+//! | groups of runs by a number of theirs | [`groups`] |
 //! | pages and tables | [`page`] |
 //! | paths of grains between frames | [`tracks`] |
 //!
@@ -15,8 +14,7 @@
 //! can, and returns rows and figures.
 
 pub mod cases;
-pub mod least_squares;
-pub mod numbers;
+pub mod groups;
 pub mod page;
 pub mod runs;
 pub mod tracks;

@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::studies::sweep::fit::short;
+use crate::statistics::digits::short;
 use crate::studies::validation::cases::CASES;
 use crate::studies::validation::verdict::{Judgement, Picture, Verdict};
 use crate::studies::validation::{Case, Form, unreadable};

@@ -2,8 +2,8 @@
 //!
 //! A rule comes from the publication or from theory. A figure without a published value that could be read is only reported.
 
-use crate::studies::study::results::Mean;
-use crate::studies::sweep::fit::{digits, short};
+use crate::statistics::digits::{digits, short};
+use crate::statistics::mean::Mean;
 
 /// The rule that a figure has to obey.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,6 +219,5 @@ mod tests {
         let row = Row::new("q", "g/s", 82.345).published(82.3, Rule::Within(0.05)).error(Some(0.123));
         assert_eq!((row.found_in_words(), row.rule_in_words()), ("82.34 ± 0.12".to_owned(), "within 5 %".to_owned()));
         assert_eq!(row.rule(Rule::Between(1.5, 10.0)).rule_in_words(), "1.5 to 10 g/s");
-        assert_eq!([0.0312, 12.6, 3.14e-7].map(|x| digits(x, 2)), ["0.031", "13", "3.1e-7"]);
     }
 }

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::Rung;
 use super::observe::{Kind, OBSERVABLES};
-use super::verdict::{Mean, Standing};
-use crate::studies::accuracy::cost::median;
+use super::verdict::{MeanOfRuns, Standing};
+use crate::statistics::mean::median;
 
 /// An observable at one step.
 #[derive(Clone, Debug, Serialize)]
@@ -20,7 +20,7 @@ pub struct Figure {
     pub name: &'static str,
     /// Mean and standard error.
     #[serde(flatten)]
-    pub mean: Mean,
+    pub mean: MeanOfRuns,
     /// Relative difference from the mean at the finest step; `null` at the finest step and for [`Kind::Error`].
     pub difference: Option<f64>,
     /// Comparison with the finest step; `null` for [`Kind::Error`].
@@ -221,7 +221,7 @@ fn step(rung: &Rung) -> Step {
     let done: Vec<_> = rung.runs.iter().filter(|run| run.failure.is_none()).collect();
     let figure = |(number, (name, _)): (usize, &(&'static str, Kind))| {
         let values: Option<Vec<f64>> = done.iter().map(|run| run.values[number]).collect();
-        Some(Figure { name, mean: Mean::of(&values?)?, difference: None, standing: None })
+        Some(Figure { name, mean: MeanOfRuns::of(&values?)?, difference: None, standing: None })
     };
     Step {
         factor: rung.factor,

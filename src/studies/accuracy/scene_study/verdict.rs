@@ -8,9 +8,12 @@
 
 use serde::Serialize;
 
+use crate::statistics::mean::Mean;
+use crate::statistics::student::t_99;
+
 /// A mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Mean {
+pub struct MeanOfRuns {
     /// The mean.
     pub mean: f64,
     /// Standard error of the mean; `null` for a single run.
@@ -19,25 +22,18 @@ pub struct Mean {
     pub runs: usize,
 }
 
-impl Mean {
+impl MeanOfRuns {
     /// Returns the mean of `values`; `None` if there are none.
     #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
-        if values.is_empty() {
-            return None;
-        }
-        #[expect(clippy::cast_precision_loss, reason = "a small number")]
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-        let standard_error = (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt());
-        Some(Self { mean, standard_error, runs: values.len() })
+        let Mean { value, error } = Mean::of(values)?;
+        Some(Self { mean: value, standard_error: (values.len() > 1).then_some(error), runs: values.len() })
     }
 
     /// Returns the noise: the smallest significant difference between this mean and `other`.
     #[must_use]
     pub fn noise(&self, other: &Self) -> f64 {
-        self.standard_error_of_difference(other) * student_quantile(self.runs + other.runs - 2)
+        self.standard_error_of_difference(other) * t_99(self.runs + other.runs - 2)
     }
 
     fn standard_error_of_difference(&self, other: &Self) -> f64 {
@@ -73,7 +69,7 @@ pub enum Standing {
 impl Standing {
     /// Compares `mean` with `finest` for the relative target error `error`.
     #[must_use]
-    pub fn of(mean: &Mean, finest: &Mean, error: f64) -> Self {
+    pub fn of(mean: &MeanOfRuns, finest: &MeanOfRuns, error: f64) -> Self {
         let difference = (mean.mean - finest.mean).abs();
         let noise = mean.noise(finest);
         let allowed = error * finest.mean.abs();
@@ -93,35 +89,23 @@ impl Standing {
     }
 }
 
-/// Returns the value that |t| exceeds with probability 0.01, for Student's t with `freedom` degrees of freedom.
-fn student_quantile(freedom: usize) -> f64 {
-    const TABLE: [f64; 14] = [63.66, 9.92, 5.84, 4.60, 4.03, 3.71, 3.50, 3.36, 3.25, 3.17, 3.11, 3.05, 3.01, 2.98];
-    match freedom {
-        0 => 0.0,
-        1..=14 => TABLE[freedom - 1],
-        // Upper bounds: the quantile is below 2.98 here and decreases to the normal distribution's 2.58.
-        15..=30 => 2.95,
-        _ => 2.75,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn mean_and_standard_error_are_exact() {
-        let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        let mean = MeanOfRuns::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
         // The variance of the sample is 5/3; it is divided by 4 runs.
         assert!((mean.mean - 2.5).abs() < 1e-15);
         assert!((mean.standard_error.unwrap() - (5.0f64 / 12.0).sqrt()).abs() < 1e-15);
-        assert_eq!(Mean::of(&[7.0]), Some(Mean { mean: 7.0, standard_error: None, runs: 1 }));
-        assert_eq!(Mean::of(&[]), None);
+        assert_eq!(MeanOfRuns::of(&[7.0]), Some(MeanOfRuns { mean: 7.0, standard_error: None, runs: 1 }));
+        assert_eq!(MeanOfRuns::of(&[]), None);
     }
 
     #[test]
     fn differences_below_the_noise_are_not_significant() {
-        let mean = |values: &[f64]| Mean::of(values).unwrap();
+        let mean = |values: &[f64]| MeanOfRuns::of(values).unwrap();
         let finest = mean(&[9.9, 10.0, 10.0, 10.1]);
         assert_eq!(Standing::of(&mean(&[10.0, 10.1, 10.1, 10.2]), &finest, 1e-3), Standing::NotToldApart);
         assert_eq!(Standing::of(&mean(&[10.0, 10.1, 10.1, 10.2]), &finest, 0.1), Standing::Within);

@@ -6,7 +6,8 @@
 //! The rate is the slope of a straight line through the rows of `series.csv` between 10 and 60 g. The curve is compared after a shift in time, because the
 //! published clock starts with the experiment: the shift is the one of least mean square.
 
-use crate::studies::validation::numbers::{between, interpolated, mean, slope};
+use crate::statistics::mean::mean;
+use crate::statistics::points::{between, interpolated, slope};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};

@@ -14,7 +14,7 @@ mod normal;
 mod oblique;
 mod published;
 
-use crate::studies::validation::numbers::interpolated;
+use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};

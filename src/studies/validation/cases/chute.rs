@@ -16,9 +16,11 @@
 mod layer;
 
 use self::layer::Layer;
-use crate::studies::study::results::Mean;
-use crate::studies::sweep::fit::{Law, short};
-use crate::studies::validation::numbers::{self, best_line, named};
+use crate::statistics::digits::short;
+use crate::statistics::fit::Law;
+use crate::statistics::fit::best_line;
+use crate::statistics::mean;
+use crate::statistics::mean::Mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
@@ -60,7 +62,7 @@ const THICK: f64 = 28.5;
 const STEEP: f64 = 28.0;
 
 fn mean(layers: &[Layer], of: impl Fn(&Layer) -> f64) -> Option<Mean> {
-    numbers::mean(layers.iter().map(of))
+    mean::mean(layers.iter().map(of))
 }
 
 fn layers_of(runs: &[Run]) -> Result<Vec<Vec<Layer>>, Fault> {
@@ -86,9 +88,9 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 fn depths(layers: &[Vec<Layer>], words: &str) -> Option<Row> {
     let point = |it: &Vec<Layer>| Some((mean(it, |it| it.depth)?.value, mean(it, |it| it.mean_velocity)?.value));
     let points: Vec<_> = layers.iter().filter_map(point).collect();
-    let (exponent, error) = Law::Power.fit(&points).and_then(|fit| named(&fit, "exponent"))?;
+    let exponent = Law::Power.fit(&points)?.parameter("exponent")?;
     let name = format!("{words}exponent of the mean velocity over {} depths", points.len());
-    Some(Row::new(name, "", exponent).error(error).published(1.5, Rule::WithinAbsolute(0.15)))
+    Some(Row::new(name, "", exponent.value).error(exponent.error).published(1.5, Rule::WithinAbsolute(0.15)))
 }
 
 /// Adds the rows of a run with another stiffness. Stiffer grains must flow alike; softer ones show where that ends.
@@ -155,8 +157,8 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
     );
     let line = Law::Line.fit(&points);
     for (name, words) in [("intercept", "mu = mu_s + c I: mu_s"), ("slope", "mu = mu_s + c I: c")] {
-        if let Some((value, error)) = line.as_ref().and_then(|line| named(line, name)) {
-            rows.push(Row::new(words, "", value).error(error));
+        if let Some(found) = line.as_ref().and_then(|line| line.parameter(name)) {
+            rows.push(Row::new(words, "", found.value).error(found.error));
         }
     }
     let law = friction_law(&points);
@@ -197,12 +199,12 @@ fn friction_law(points: &[(f64, f64)]) -> Option<[f64; 3]> {
     if points.len() < 4 {
         return None;
     }
-    let (scale, fit) = best_line(points, (5..=400).map(|n| 0.005 * f64::from(n)), |i, scale| i / (i + scale))?;
-    if scale > 1.99 {
+    let best = best_line(points, (5..=400).map(|n| 0.005 * f64::from(n)), |i, scale| i / (i + scale))?;
+    if best.candidate > 1.99 {
         return None;
     }
-    let start = named(&fit, "intercept")?.0;
-    Some([start, start + named(&fit, "slope")?.0, scale])
+    let start = best.fitted.value("intercept")?;
+    Some([start, start + best.fitted.value("slope")?, best.candidate])
 }
 
 fn profile(thick: &[Layer]) -> Panel {

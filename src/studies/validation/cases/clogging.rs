@@ -7,16 +7,15 @@
 //! | figure | definition | a geometric distribution has |
 //! |---|---|---|
 //! | ratio of moments | mean of (k + 1)^2 over the squared mean of k + 1 | 2 - 1/M, with M the mean of k + 1 |
-//! | p-value | chance of a larger distance of a geometric sample ([`geometric`]) | a uniform value |
+//! | p-value | chance of a larger distance of a geometric sample ([`geometric`](crate::statistics::geometric)) | a uniform value |
 //!
 //! The mean is fitted with two laws of the literature: ln n = a + b D^2, without a critical width (Janda, Zuriguel, Garcimartin, Pugnaloni and Maza,
 //! EPL 84, 44002, 2008), and ln n = a - c ln(D_c - D), which diverges at a critical width D_c (Zuriguel et al. 2005, for spheres).
 
-mod geometric;
-
-use self::geometric::{count, mean, ratio_of_moments, test};
-use crate::studies::sweep::fit::{Law, short};
-use crate::studies::validation::numbers::{best_line, named};
+use crate::random::Stream;
+use crate::statistics::digits::short;
+use crate::statistics::fit::{BestLine, Law, best_line};
+use crate::statistics::geometric::{count, mean, ratio_of_moments, test};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
@@ -150,7 +149,12 @@ fn stiffness(softest: Option<&Avalanches>, stiff: &[Run], judgement: &mut Judgem
 /// Adds the rows of one width.
 fn rows(it: &Avalanches, judgement: &mut Judgement) {
     let tail = it.tail();
-    let test = test(&tail);
+    let stream = Stream::new(1, "geometric");
+    let mut counter = 0;
+    let test = test(&tail, || {
+        counter += 1;
+        stream.uniform(counter - 1)
+    });
     let name = format!("D = {} d", it.width);
     let m = mean(&tail) + 1.0;
     judgement.rows.extend([
@@ -173,24 +177,27 @@ fn trends(means: &[(f64, f64)], judgement: &mut Judgement) -> [Vec<(f64, f64)>; 
     let places: Vec<_> = (0..=100).map(|n| first.0 + (last.0 - first.0) * f64::from(n) / 100.0).collect();
     let mut curves = [Vec::new(), Vec::new()];
     if let Some(fit) = Law::Line.fit(&squares) {
-        let (slope, error) = named(&fit, "slope").unwrap_or((f64::NAN, None));
-        judgement.rows.push(Row::new("ln(mean) = a + b (D/d)^2: b", "", slope).error(error));
-        let share = named(&fit, "r_squared").map_or(f64::NAN, |found| found.0);
+        let row = Row::new("ln(mean) = a + b (D/d)^2: b", "", fit.value("slope").unwrap_or(f64::NAN));
+        judgement.rows.push(row.error(fit.parameter("slope").and_then(|slope| slope.error)));
+        let share = fit.value("r_squared").unwrap_or(f64::NAN);
         judgement.rows.push(Row::new("the same law: share of the variance explained", "", share));
         curves[0] = places.iter().filter_map(|x| Some((*x, fit.at(x * x)?.exp()))).collect();
     }
     // Four points for three numbers.
     if means.len() > 3 {
         let candidates = (1..=400).map(|n| last.0 + 0.01 * f64::from(n));
-        if let Some((critical, fit)) = best_line(&logarithms, candidates, |width, critical| (critical - width).ln()) {
-            let (slope, error) = named(&fit, "slope").unwrap_or((f64::NAN, None));
+        if let Some(BestLine { candidate: critical, fitted: fit }) =
+            best_line(&logarithms, candidates, |width, critical| (critical - width).ln())
+        {
+            let slope = fit.value("slope").unwrap_or(f64::NAN);
+            let error = fit.parameter("slope").and_then(|slope| slope.error);
             judgement.rows.extend([
                 Row::new("mean = A (D_c - D)^-c: D_c/d, spheres 4.94 (Zuriguel, not read in the source)", "", critical),
                 Row::new("the same law: c, spheres 6.9 (not read in the source)", "", -slope).error(error),
                 Row::new(
                     "the same law: share of the variance explained",
                     "",
-                    named(&fit, "r_squared").map_or(f64::NAN, |found| found.0),
+                    fit.value("r_squared").unwrap_or(f64::NAN),
                 ),
             ]);
             curves[1] = places.iter().filter_map(|x| Some((*x, fit.at((critical - x).ln())?.exp()))).collect();

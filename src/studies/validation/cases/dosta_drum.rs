@@ -13,8 +13,9 @@ use std::f64::consts::PI;
 
 use self::lead::Zone;
 
-use crate::studies::sweep::fit::short;
-use crate::studies::validation::numbers::{interpolated, mean};
+use crate::statistics::digits::short;
+use crate::statistics::mean::mean;
+use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};

@@ -10,9 +10,9 @@
 //!
 //! The rebound is chaotic and is not compared.
 
-use crate::studies::study::results::Mean;
-use crate::studies::sweep::fit::digits;
-use crate::studies::validation::numbers::interpolated;
+use crate::statistics::digits::digits;
+use crate::statistics::mean::Mean;
+use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};

@@ -8,8 +8,9 @@
 //! height the Gaussian of least squares is found for the downward flux of grains, and its variance s gives b = s/(2 z). The void model takes b for the length of the
 //! grains' own diffusion as well, which is d/Pe.
 
-use crate::studies::sweep::fit::Law;
-use crate::studies::validation::numbers::{between, mean, named, slope};
+use crate::statistics::fit::Law;
+use crate::statistics::mean::mean;
+use crate::statistics::points::{between, slope};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::tracks::{Tracks, Window};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
@@ -84,7 +85,7 @@ impl Drainage {
 
     fn exponent(&self, axis: usize, (from, to): (f64, f64)) -> f64 {
         let fit = Law::Power.fit(&between(&self.along(axis), from, to));
-        fit.and_then(|fit| named(&fit, "exponent")).map_or(f64::NAN, |(value, _)| value)
+        fit.and_then(|fit| fit.value("exponent")).unwrap_or(f64::NAN)
     }
 
     fn peclet(&self, axis: usize) -> f64 {

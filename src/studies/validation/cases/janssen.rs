@@ -17,7 +17,7 @@ mod standard;
 
 use self::loads::{GRAVITY, Loads, Window};
 use self::profile::{Profile, fit_vanel_clement};
-use crate::studies::validation::numbers::mean;
+use crate::statistics::mean::mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};

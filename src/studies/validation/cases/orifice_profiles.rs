@@ -13,8 +13,10 @@
 mod profile;
 
 use self::profile::{DIAMETER, GRAVITY, Point, Profile};
-use crate::studies::study::results::Mean;
-use crate::studies::validation::numbers::{self, best_line, groups_by, named};
+use crate::statistics::fit::best_line;
+use crate::statistics::mean;
+use crate::statistics::mean::Mean;
+use crate::studies::validation::groups::groups_by;
 use crate::studies::validation::runs::Studies;
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
@@ -51,12 +53,12 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 
 /// Returns the mean over the seeds of one width.
 fn mean(group: &[Profile], of: impl Fn(&Profile) -> f64) -> Mean {
-    numbers::mean(group.iter().map(of)).unwrap_or(Mean { value: f64::NAN, error: 0.0 })
+    mean::mean(group.iter().map(of)).unwrap_or(Mean { value: f64::NAN, error: 0.0 })
 }
 
 /// Returns the mean over the widths of the means over their seeds.
 fn over_widths(groups: &[Vec<Profile>], of: fn(&Profile) -> f64) -> Option<Mean> {
-    numbers::mean(groups.iter().map(|group| mean(group, of).value))
+    mean::mean(groups.iter().map(|group| mean(group, of).value))
 }
 
 /// Judges the profiles, one group for each width.
@@ -133,10 +135,9 @@ fn fraction_against_width(middles: &[(f64, f64)]) -> Option<[f64; 3]> {
     if middles.len() < 4 {
         return None;
     }
-    let (length, fit) =
-        best_line(middles, (10..=1000).map(|n| 0.02 * f64::from(n)), |half, length| (-half / length).exp())?;
-    let limit = named(&fit, "intercept")?.0;
-    Some([limit, -named(&fit, "slope")?.0 / limit, length])
+    let best = best_line(middles, (10..=1000).map(|n| 0.02 * f64::from(n)), |half, length| (-half / length).exp())?;
+    let limit = best.fitted.value("intercept")?;
+    Some([limit, -best.fitted.value("slope")? / limit, best.candidate])
 }
 
 /// Returns a panel of scaled profiles, one curve a width, with a law.

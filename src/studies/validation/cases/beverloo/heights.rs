@@ -1,7 +1,7 @@
 //! The rate of one slot with two heights of the bed.
 
 use super::bed::{Silo, rate};
-use crate::studies::study::results::Mean;
+use crate::statistics::mean::Mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Row, Rule};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour};

@@ -1,7 +1,7 @@
 //! The laws of the discharge rate, fitted to the rates of all runs, and their panels.
 
 use super::bed::Silo;
-use crate::studies::validation::least_squares::{Fit, fit};
+use crate::statistics::least_squares::{Fit, fit};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour};
 
 /// Fits to rates in units of the bed.

@@ -1,8 +1,7 @@
 //! A layer on an incline in one window of time: its depth, friction, inertial number and exponent.
 
-use crate::studies::study::results::Mean;
-use crate::studies::sweep::fit::Law;
-use crate::studies::validation::numbers::{best_line, named};
+use crate::statistics::fit::{Law, best_line};
+use crate::statistics::mean::Mean;
 use crate::studies::validation::runs::Run;
 use siloflow_text::fault::Fault;
 
@@ -45,9 +44,9 @@ impl Layer {
         let counted: Vec<_> = (0..cells.len()).filter(|n| cells[*n][0] > FLOOR && above(*n) > SURFACE).collect();
         let points: Vec<_> = counted.iter().map(|n| (above(*n), cells[*n][2])).collect();
         let sum = |column: usize| counted.iter().map(|n| cells[*n][column]).sum::<f64>();
-        let (exponent, _) = best_line(&points, (50..=300).map(|n| 0.01 * f64::from(n)), f64::powf)?;
+        let exponent = best_line(&points, (50..=300).map(|n| 0.01 * f64::from(n)), f64::powf)?.candidate;
         let bagnold = Law::Line.fit(&points.iter().map(|(depth, v)| (depth.powf(1.5), *v)).collect::<Vec<_>>())?;
-        let amplitude = -named(&bagnold, "slope")?.0;
+        let amplitude = -bagnold.value("slope")?;
         let flux: f64 = cells.iter().filter(|cell| cell[1] > 0.0).map(|cell| cell[1] * cell[2]).sum();
         Some(Self {
             angle,

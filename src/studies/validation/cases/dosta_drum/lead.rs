@@ -3,7 +3,8 @@
 //! The deviation at a shift s is the root of the mean of ((n(t - s) - m(t))/N)^2 over all zones and published times t, with the count n of siloflow, the mean m of both codes,
 //! and the number N of grains of the material. The lead is the shift with the least deviation.
 
-use crate::studies::validation::numbers::{interpolated, mean};
+use crate::statistics::mean::mean;
+use crate::statistics::points::interpolated;
 use crate::studies::validation::verdict::{Judgement, Row};
 
 /// A material in a zone.

@@ -14,7 +14,7 @@
 use std::f64::consts::PI;
 
 use super::loads::GRAVITY;
-use crate::studies::validation::least_squares::{Fit, fit};
+use crate::statistics::least_squares::{Fit, fit};
 use crate::studies::validation::runs::Run;
 use siloflow_text::fault::Fault;
 

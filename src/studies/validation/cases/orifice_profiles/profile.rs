@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::studies::sweep::fit::Law;
-use crate::studies::validation::numbers::named;
+use crate::statistics::fit::Law;
 use crate::studies::validation::runs::Run;
 use siloflow_text::fault::Fault;
 
@@ -67,7 +66,7 @@ impl Profile {
         let (above, below) = inner().fold((0.0, 0.0), |(a, b), (s, _, v)| (a + v * s.sqrt(), b + s));
         let power = |points: Vec<(f64, f64)>| {
             let fit = Law::Power.fit(&points)?;
-            Some((named(&fit, "prefactor")?.0, named(&fit, "exponent")?.0))
+            Some((fit.value("prefactor")?, fit.value("exponent")?))
         };
         let nothing = (f64::NAN, f64::NAN);
         let (_, velocity_exponent) = power(inner().map(|(s, _, v)| (s, v)).collect()).unwrap_or(nothing);

@@ -3,23 +3,24 @@
 //! The distance is that of Kolmogorov and Smirnov to the geometric distribution of the same mean. Its chance is found from 1000 geometric samples of the same
 //! number, each compared with the distribution of its own mean (Lilliefors, J. Am. Stat. Assoc. 64, 387, 1969, with discrete sizes).
 
-use crate::random::Stream;
-
 /// Samples of the null hypothesis.
 const SAMPLES: u32 = 1000;
 
 /// Returns the number of some sizes.
-pub(super) fn count(values: &[u32]) -> f64 {
+#[must_use]
+pub fn count(values: &[u32]) -> f64 {
     u32::try_from(values.len()).map_or(f64::INFINITY, f64::from)
 }
 
 /// Returns the mean of some sizes.
-pub(super) fn mean(values: &[u32]) -> f64 {
+#[must_use]
+pub fn mean(values: &[u32]) -> f64 {
     values.iter().map(|size| f64::from(*size)).sum::<f64>() / count(values)
 }
 
-/// Returns the ratio of moments of the excesses.
-pub(super) fn ratio_of_moments(excess: &[u32]) -> f64 {
+/// Returns the ratio of moments of the excesses k: the mean of (k + 1)^2 over the square of the mean of k + 1.
+#[must_use]
+pub fn ratio_of_moments(excess: &[u32]) -> f64 {
     let m = mean(excess) + 1.0;
     excess.iter().map(|k| (f64::from(*k) + 1.0).powi(2)).sum::<f64>() / count(excess) / (m * m)
 }
@@ -42,39 +43,39 @@ fn distance(excess: &mut [u32]) -> f64 {
     largest
 }
 
-/// The test of the excesses against a geometric distribution.
-pub(super) struct Test {
+/// The result of the test of the excesses against a geometric distribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Test {
     /// Chance of a larger distance of a geometric sample.
-    pub(super) p_value: f64,
+    pub p_value: f64,
     /// Standard deviation of the ratio of moments under the geometric distribution.
-    pub(super) spread: f64,
+    pub spread: f64,
 }
 
-/// Returns `number` sizes k with the chance q^k of at least k.
-fn geometric(stream: &Stream, counter: &mut u64, number: usize, q: f64) -> Vec<u32> {
+/// Returns `number` sizes k with the chance q^k of at least k, from uniform numbers.
+fn geometric(uniform: &mut impl FnMut() -> [f64; 32], number: usize, q: f64) -> Vec<u32> {
     let mut sizes = Vec::with_capacity(number);
     while sizes.len() < number {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a size of an avalanche")]
-        sizes.extend(stream.uniform::<32>(*counter).map(|u| ((1.0 - u).ln() / q.ln()) as u32));
-        *counter += 1;
+        sizes.extend(uniform().map(|u| ((1.0 - u).ln() / q.ln()) as u32));
     }
     sizes.truncate(number);
     sizes
 }
 
-/// Tests excesses against the geometric distribution of their mean.
-pub(super) fn test(excess: &[u32]) -> Test {
+/// Tests excesses against the geometric distribution of their mean. Each call of `uniform` returns new random numbers, uniform in 0 <= u < 1.
+#[must_use]
+pub fn test(excess: &[u32], mut uniform: impl FnMut() -> [f64; 32]) -> Test {
     let q = mean(excess) / (1.0 + mean(excess));
     let found = distance(&mut excess.to_vec());
-    let stream = Stream::new(1, "geometric");
     let mut larger = 0u32;
     let mut sum = 0.0;
     let mut squares = 0.0;
-    let mut counter = 0;
     for _ in 0..SAMPLES {
-        let mut sample = geometric(&stream, &mut counter, excess.len(), q);
+        let mut sample = geometric(&mut uniform, excess.len(), q);
         let ratio = ratio_of_moments(&sample);
-        (sum, squares) = (sum + ratio, squares + ratio * ratio);
+        sum += ratio;
+        squares += ratio * ratio;
         larger += u32::from(distance(&mut sample) >= found);
     }
     let n = f64::from(SAMPLES);
@@ -84,30 +85,36 @@ pub(super) fn test(excess: &[u32]) -> Test {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::noise::Noise;
 
     /// Returns `n` sizes by a function of a uniform number.
     fn sizes(n: u64, of: impl Fn(f64) -> f64) -> Vec<u32> {
-        let stream = Stream::new(3, "sizes");
+        let mut noise = Noise::new(3);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a size of an avalanche")]
-        let sizes = (0..n).map(|counter| of(stream.uniform::<1>(counter)[0]) as u32).collect();
+        let sizes = (0..n).map(|_| of(noise.uniform()) as u32).collect();
         sizes
+    }
+
+    /// Returns a source of blocks of uniform numbers.
+    fn blocks(seed: u64) -> impl FnMut() -> [f64; 32] {
+        let mut noise = Noise::new(seed);
+        move || std::array::from_fn(|_| noise.uniform())
     }
 
     #[test]
     fn exponential_sizes_pass_and_others_miss() {
-        let exponential = test(&sizes(200, |u| -40.0 * (1.0 - u).ln()));
+        let exponential = test(&sizes(200, |u| -40.0 * (1.0 - u).ln()), blocks(1));
         assert!(exponential.p_value > 0.01, "{}", exponential.p_value);
         // Uniform sizes, and a power law of heavy tail.
         for it in [sizes(200, |u| 80.0 * u), sizes(200, |u| 10.0 * (1.0 - u).powf(-0.7) - 10.0)] {
-            assert!(test(&it).p_value < 0.01);
+            assert!(test(&it, blocks(1)).p_value < 0.01);
         }
     }
 
     #[test]
     fn the_chance_of_geometric_samples_is_uniform() {
-        let stream = Stream::new(5, "uniformity");
-        let mut counter = 0;
-        let below = (0..24).filter(|_| test(&geometric(&stream, &mut counter, 32, 0.9)).p_value < 0.5);
+        let mut uniform = blocks(5);
+        let below = (0..24).filter(|_| test(&geometric(&mut uniform, 32, 0.9), blocks(1)).p_value < 0.5);
         // 12 of 24 with a standard deviation of 2.4: the bounds are four of them.
         assert!((3..=21).contains(&below.count()));
     }

@@ -1,4 +1,4 @@
-//! Fits of a law to means: least squares of a straight line, after a transformation that makes the law straight.
+//! Fits of a law to points: least squares of a straight line, after a transformation that makes the law straight.
 //!
 //! | law | formula | straight line |
 //! |---|---|---|
@@ -14,6 +14,9 @@
 //! the transformed figure.
 
 use serde::Deserialize;
+
+use super::digits::short;
+use super::line::{Gradient, Line};
 
 /// A law that is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -63,54 +66,6 @@ pub struct Fitted {
     pub parameters: Vec<Parameter>,
 }
 
-/// A straight line with the covariances of its numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Line {
-    intercept: f64,
-    slope: f64,
-    /// Variances of intercept and slope, and their covariance.
-    covariance: Option<[f64; 3]>,
-    r_squared: f64,
-}
-
-impl Line {
-    /// Fits a line; `None` without two different places.
-    fn through(points: &[(f64, f64)]) -> Option<Self> {
-        #[expect(clippy::cast_precision_loss, reason = "a number of points")]
-        let n = points.len() as f64;
-        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-        let x = mean(&|p| p.0);
-        let y = mean(&|p| p.1);
-        let sum = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
-        let xx = sum(&|p| (p.0 - x).powi(2));
-        let xy = sum(&|p| (p.0 - x) * (p.1 - y));
-        let yy = sum(&|p| (p.1 - y).powi(2));
-        if !(xx > 0.0 && xx.is_finite() && yy.is_finite()) {
-            return None;
-        }
-        let slope = xy / xx;
-        let intercept = y - slope * x;
-        let residual = sum(&|p| (p.1 - intercept - slope * p.0).powi(2));
-        let covariance = (points.len() > 2).then(|| {
-            let variance = residual / (n - 2.0) / xx;
-            [variance * (xx / n + x * x), variance, -variance * x]
-        });
-        let r_squared = if yy > 0.0 { 1.0 - residual / yy } else { 1.0 };
-        Some(Self { intercept, slope, covariance, r_squared })
-    }
-
-    /// Standard error of a function of the numbers with these derivatives by intercept and slope.
-    fn error(&self, (by_intercept, by_slope): (f64, f64)) -> Option<f64> {
-        let [ii, ss, is] = self.covariance?;
-        let variance = by_intercept.powi(2) * ii + by_slope.powi(2) * ss + 2.0 * by_intercept * by_slope * is;
-        Some(variance.max(0.0).sqrt())
-    }
-
-    fn parameter(&self, name: &'static str, value: f64, derivatives: (f64, f64)) -> Parameter {
-        Parameter { name, value, error: self.error(derivatives) }
-    }
-}
-
 impl Law {
     /// Checks the numbers of the law.
     ///
@@ -142,11 +97,14 @@ impl Law {
         let line = Line::through(&points)?;
         let a = line.intercept;
         let b = line.slope;
+        let of = |name: &'static str, value: f64, by_intercept: f64, by_slope: f64| Parameter {
+            name,
+            value,
+            error: line.error(Gradient { by_intercept, by_slope }),
+        };
         let mut parameters = match self {
-            Self::Line => vec![line.parameter("intercept", a, (1.0, 0.0)), line.parameter("slope", b, (0.0, 1.0))],
-            Self::Power => {
-                vec![line.parameter("prefactor", a.exp(), (a.exp(), 0.0)), line.parameter("exponent", b, (0.0, 1.0))]
-            }
+            Self::Line => vec![of("intercept", a, 1.0, 0.0), of("slope", b, 0.0, 1.0)],
+            Self::Power => vec![of("prefactor", a.exp(), a.exp(), 0.0), of("exponent", b, 0.0, 1.0)],
             Self::Beverloo { power, grain, density, gravity } => {
                 if b <= 0.0 {
                     return None;
@@ -154,11 +112,12 @@ impl Law {
                 let amplitude = b.powf(power);
                 let steep = power * b.powf(power - 1.0);
                 let offset = -a / b;
-                let by = (-1.0 / b, a / (b * b));
+                let by_intercept = -1.0 / b;
+                let by_slope = a / (b * b);
                 let scale = density.map(|density| density * gravity.sqrt());
-                let c = scale.map(|scale| line.parameter("C", amplitude / scale, (0.0, steep / scale)));
-                let k = grain.map(|d| line.parameter("k", offset / d, (by.0 / d, by.1 / d)));
-                let own = [line.parameter("amplitude", amplitude, (0.0, steep)), line.parameter("offset", offset, by)];
+                let c = scale.map(|scale| of("C", amplitude / scale, 0.0, steep / scale));
+                let k = grain.map(|d| of("k", offset / d, by_intercept / d, by_slope / d));
+                let own = [of("amplitude", amplitude, 0.0, steep), of("offset", offset, by_intercept, by_slope)];
                 own.into_iter().chain(c).chain(k).collect()
             }
         };
@@ -177,6 +136,18 @@ impl Fitted {
             Law::Power => (x > 0.0).then(|| (a + b * x.ln()).exp()),
             Law::Beverloo { power, .. } => (a + b * x >= 0.0).then(|| (a + b * x).powf(power)),
         }
+    }
+
+    /// Returns a number of the law.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<Parameter> {
+        self.parameters.iter().copied().find(|parameter| parameter.name == name)
+    }
+
+    /// Returns the value of a number of the law.
+    #[must_use]
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.parameter(name).map(|it| it.value)
     }
 
     /// Returns the place where the law begins, if it has one.
@@ -200,36 +171,37 @@ impl Fitted {
     }
 }
 
-/// Returns a number with four significant digits.
-#[must_use]
-pub fn short(x: f64) -> String {
-    digits(x, 4)
+/// The straight line that fits best of several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BestLine {
+    /// The candidate that makes the line.
+    pub candidate: f64,
+    /// The line.
+    pub fitted: Fitted,
 }
 
-/// Returns a number with this many significant digits, at least one. Digits before the point are all kept.
-#[must_use]
-pub fn digits(x: f64, count: u8) -> String {
-    let size = if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log10().floor() };
-    if !(-4.0..6.0).contains(&size) {
-        return format!("{x:.*e}", usize::from(count.saturating_sub(1)));
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let decimals = (f64::from(count) - 1.0 - size).clamp(0.0, 8.0) as usize;
-    format!("{x:.decimals$}")
+/// Fits y = a + b f(x, q) by least squares over a, b and the candidates of q. Returns the best q and the line; `None` without a line.
+pub fn best_line(
+    points: &[(f64, f64)],
+    candidates: impl IntoIterator<Item = f64>,
+    f: impl Fn(f64, f64) -> f64,
+) -> Option<BestLine> {
+    let fit = |candidate: f64| {
+        let fitted = Law::Line.fit(&points.iter().map(|(x, y)| (f(*x, candidate), *y)).collect::<Vec<_>>())?;
+        Some(BestLine { candidate, fitted })
+    };
+    let explained = |it: &BestLine| it.fitted.value("r_squared").unwrap_or(f64::NEG_INFINITY);
+    candidates.into_iter().filter_map(fit).max_by(|a, b| explained(a).total_cmp(&explained(b)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
-
-    fn value(fitted: &Fitted, name: &str) -> Parameter {
-        *fitted.parameters.iter().find(|parameter| parameter.name == name).unwrap()
-    }
+    use crate::statistics::noise::Noise;
 
     /// Whether a fitted number is within a relative round-off of 1e-9.
     fn is(fitted: &Fitted, name: &str, expected: f64) -> bool {
-        (value(fitted, name).value - expected).abs() < 1e-9 * expected.abs()
+        (fitted.value(name).unwrap() - expected).abs() < 1e-9 * expected.abs()
     }
 
     #[test]
@@ -253,14 +225,12 @@ mod tests {
     fn beverloo_recovers_the_constants_of_scattered_data_within_its_errors() {
         let (c, k, d): (f64, f64, f64) = (0.58, 1.4, 0.01);
         let law = Law::Beverloo { power: 1.5, grain: Some(d), density: Some(1.0), gravity: 1.0 };
-        let stream = Stream::new(1, "test");
-        let trials = 400;
+        let mut noise = Noise::new(1);
         let mut outside = [0u32; 2];
-        for trial in 0..trials {
-            let noise: [f64; 12] = stream.gaussian(trial);
+        for _ in 0..400 {
             let points: Vec<_> = (0..12u8)
                 .map(|n| 0.04 + 0.01 * f64::from(n))
-                .zip(noise)
+                .map(|x| (x, noise.gaussian()))
                 // Two percent of the straight line's figure at its middle.
                 .map(|(x, noise)| {
                     (x, ((c.powf(2.0 / 3.0) * (x - k * d)) + 0.002 * c.powf(2.0 / 3.0) * noise).powf(1.5))
@@ -268,7 +238,7 @@ mod tests {
                 .collect();
             let fitted = law.fit(&points).unwrap();
             for (count, (name, expected)) in outside.iter_mut().zip([("C", c), ("k", k)]) {
-                let Parameter { value, error, .. } = value(&fitted, name);
+                let Parameter { value, error, .. } = fitted.parameter(name).unwrap();
                 *count += u32::from((value - expected).abs() > 2.228 * error.unwrap());
             }
         }
@@ -282,7 +252,8 @@ mod tests {
         assert!(is(&line, "intercept", 1.0) && is(&line, "slope", 2.0));
         let power = Law::Power.fit(&[(1.0, 3.0), (2.0, 12.0), (4.0, 48.0), (-1.0, 5.0)]).unwrap();
         assert!(is(&power, "prefactor", 3.0) && is(&power, "exponent", 2.0));
-        assert_eq!(value(&Law::Line.fit(&[(0.0, 1.0), (1.0, 3.0)]).unwrap(), "slope").error, None);
+        let of_two = Law::Line.fit(&[(0.0, 1.0), (1.0, 3.0)]).unwrap();
+        assert_eq!(of_two.parameter("slope").unwrap().error, None);
         assert!(Law::Line.fit(&[(0.0, 1.0)]).is_none() && Law::Line.fit(&[]).is_none());
         let law = Law::Beverloo { power: 1.5, grain: None, density: None, gravity: 9.81 };
         assert!(law.fit(&[(1.0, 2.0), (2.0, 1.0)]).is_none());
@@ -292,12 +263,14 @@ mod tests {
     fn the_error_of_a_slope_is_that_of_the_textbook() {
         // Residuals 1, -2, 1 of the line through (0, 1), (1, -2), (2, 1): variance 6/1, sum of squares of x 2.
         let line = Law::Line.fit(&[(0.0, 1.0), (1.0, -2.0), (2.0, 1.0)]).unwrap();
-        assert!((value(&line, "slope").error.unwrap() - 3f64.sqrt()).abs() < 1e-12);
-        assert!((value(&line, "intercept").error.unwrap() - 5f64.sqrt()).abs() < 1e-12);
+        assert!((line.parameter("slope").unwrap().error.unwrap() - 3f64.sqrt()).abs() < 1e-12);
+        assert!((line.parameter("intercept").unwrap().error.unwrap() - 5f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]
-    fn numbers_have_four_digits() {
-        assert_eq!([0.0, 12.3456, -0.012_346, 1.0e7].map(short), ["0.000", "12.35", "-0.01235", "1.000e7"]);
+    fn the_best_line_recovers_an_exponent() {
+        let points: Vec<_> = (1..20).map(|n| (f64::from(n), 3.0 - 0.5 * f64::from(n).powf(1.5))).collect();
+        let best = best_line(&points, (50..300).map(|n| 0.01 * f64::from(n)), f64::powf).unwrap();
+        assert!((best.candidate - 1.5).abs() < 1e-9 && (best.fitted.value("slope").unwrap() + 0.5).abs() < 1e-9);
     }
 }

@@ -18,12 +18,12 @@ pub struct Fit<const N: usize> {
 const STEPS: usize = 200;
 
 /// A law: its value at an abscissa with these numbers.
-type Law<'a, const N: usize> = &'a dyn Fn(f64, &[f64; N]) -> f64;
+type Function<'a, const N: usize> = &'a dyn Fn(f64, &[f64; N]) -> f64;
 
 /// Fits a law to points (x, y), beginning at `start`. `None` if the law has no value at the start, if there are fewer points than numbers, or if the points
 /// do not determine the numbers.
 #[must_use]
-pub fn fit<const N: usize>(law: Law<N>, points: &[(f64, f64)], start: [f64; N]) -> Option<Fit<N>> {
+pub fn fit<const N: usize>(law: Function<N>, points: &[(f64, f64)], start: [f64; N]) -> Option<Fit<N>> {
     let sum = |p: &[f64; N]| points.iter().map(|(x, y)| (y - law(*x, p)).powi(2)).sum::<f64>();
     let mut p = start;
     let mut damping = 1e-3;
@@ -67,7 +67,7 @@ pub fn fit<const N: usize>(law: Law<N>, points: &[(f64, f64)], start: [f64; N]) 
 }
 
 /// Returns J^T J and J^T r with the derivatives J of the law by its numbers and the residuals r.
-fn linearised<const N: usize>(law: Law<N>, points: &[(f64, f64)], p: &[f64; N]) -> ([[f64; N]; N], [f64; N]) {
+fn linearised<const N: usize>(law: Function<N>, points: &[(f64, f64)], p: &[f64; N]) -> ([[f64; N]; N], [f64; N]) {
     let mut normal = [[0.0; N]; N];
     let mut gradient = [0.0; N];
     for (x, y) in points {
@@ -114,7 +114,7 @@ fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
+    use crate::statistics::noise::Noise;
 
     /// A power of the distance from an offset, as its logarithm.
     fn power(x: f64, [log, offset, exponent]: &[f64; 3]) -> f64 {
@@ -142,14 +142,12 @@ mod tests {
 
     #[test]
     fn scattered_data_lie_within_the_errors() {
-        let stream = Stream::new(1, "test");
+        let mut noise = Noise::new(1);
         let mut outside = 0u32;
-        for trial in 0..300 {
-            let noise: [f64; 15] = stream.gaussian(trial);
+        for _ in 0..300 {
             let points: Vec<_> = (0..15u8)
                 .map(|n| 5.0 + f64::from(n / 3) * 1.5)
-                .zip(noise)
-                .map(|(x, noise)| (x, power(x, &[0.3, 1.4, 1.5]) + 0.005 * noise))
+                .map(|x| (x, power(x, &[0.3, 1.4, 1.5]) + 0.005 * noise.gaussian()))
                 .collect();
             let found = fit(&power, &points, [0.0, 1.0, 2.0]).unwrap();
             outside += u32::from((found.values[2] - 1.5).abs() > 2.179 * found.errors[2]);

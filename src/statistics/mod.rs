@@ -1,0 +1,26 @@
+//! Statistics of plain numbers: means and their errors, fits, tests.
+//!
+//! | subject | file |
+//! |---|---|
+//! | mean and standard error, median, geometric mean | [`mean`] |
+//! | Student's t | [`student`] |
+//! | straight lines with standard errors | [`line`] |
+//! | laws that a transformation makes straight | [`fit`] |
+//! | laws that are not straight lines: Levenberg's and Marquardt's method | [`least_squares`] |
+//! | curves given as points | [`points`] |
+//! | the test against a geometric distribution | [`geometric`] |
+//! | numbers with a number of significant digits | [`digits`] |
+//!
+//! The functions know nothing of runs or scenes. Random numbers are given as an argument.
+
+pub mod digits;
+pub mod fit;
+pub mod geometric;
+pub mod least_squares;
+pub mod line;
+pub mod mean;
+pub mod points;
+pub mod student;
+
+#[cfg(test)]
+mod noise;
