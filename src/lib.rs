@@ -79,7 +79,8 @@ pub mod prelude {
 
     pub use crate::behaviour::{Behaviour, Registry};
     pub use crate::ledger::Ledger;
-    pub use crate::measure::outputs::{OutputApp, Palette, Scale};
+    pub use crate::measure::outputs::OutputApp;
+    pub use crate::measure::outputs::scale::{Palette, Scale};
     pub use crate::measure::{ObserveStage, due, observe_every};
     pub use crate::output::run_directory::RunPath;
     pub use crate::scene::load;

@@ -111,7 +111,8 @@ mod tests {
     use bevy_app::App;
 
     use super::*;
-    use crate::measure::outputs::{OutputApp as _, Palette, Scale};
+    use crate::measure::outputs::OutputApp as _;
+    use crate::measure::outputs::scale::{Palette, Scale};
 
     #[derive(Component)]
     struct Heat(f64);

@@ -40,7 +40,7 @@ pub mod writer;
 
 use serde::{Deserialize, Serialize};
 
-use crate::measure::outputs::Scale;
+use crate::measure::outputs::scale::Scale;
 
 /// Version of the format.
 ///

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
 use super::style::Style;
-use crate::measure::outputs::Palette;
+use crate::measure::outputs::scale::Palette;
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
 use crate::writers::colour::{self, Rgb};

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::links::TOP_FORCE;
 use super::plan::Plan;
 use super::scale::TOP;
-use crate::measure::outputs::Palette;
+use crate::measure::outputs::scale::Palette;
 use crate::output::frame_data::Header;
 use crate::writers::colour::{self, Rgb};
 

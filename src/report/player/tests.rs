@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::unpack::{Unpacked, unpack};
 use super::{Packed, SCRIPT};
-use crate::measure::outputs::{Palette, Scale};
+use crate::measure::outputs::scale::{Palette, Scale};
 use crate::output::frame_data::file::FrameFile;
 use crate::output::frame_data::{Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry};
 
