@@ -35,14 +35,15 @@
 //! Limit: a column has one number for each grain.
 
 mod check;
+pub mod scale;
 mod systems;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{BoxedReadOnlySystem, BoxedSystem, ReadOnlySystem};
-use serde::{Deserialize, Serialize};
 
 pub(crate) use self::check::{Reserved, refuse};
+use self::scale::Scale;
 pub(crate) use self::systems::{
     GrainValues, SeriesValues, cells, compute_grain_columns, compute_series, names, summary_values,
 };
@@ -62,26 +63,6 @@ pub struct Quantity {
     pub unit: String,
     /// Label of axes and colour bars. Default: the name with spaces.
     pub label: String,
-}
-
-/// Suggestion how a column of grains is coloured.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-pub struct Scale {
-    /// Value with the first colour of the palette.
-    pub from: f64,
-    /// Value with its last colour.
-    pub to: f64,
-    /// The palette.
-    pub palette: Palette,
-}
-
-/// A colour map for numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Palette {
-    /// From dark blue to yellow, for magnitudes.
-    Viridis,
-    /// From blue over white to red, for differences from the middle of the scale.
-    BlueRed,
 }
 
 type MakeSystem = Box<dyn Fn(usize) -> BoxedSystem + Send + Sync>;

@@ -40,7 +40,7 @@ pub mod writer;
 
 use serde::{Deserialize, Serialize};
 
-use crate::frames::Scale;
+use siloflow::measure::outputs::scale::Scale;
 
 /// Version of the format.
 ///
