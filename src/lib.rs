@@ -83,6 +83,7 @@ pub mod prelude {
     pub use crate::behaviour::{Behaviour, Registry};
     pub use crate::ledger::Ledger;
     pub use crate::measure::outputs::OutputApp;
+    pub use crate::measure::outputs::scale::{Palette, Scale};
     pub use crate::measure::{ObserveStage, due, observe_every};
     pub use crate::output::run_path::RunPath;
     pub use crate::scene::load;
@@ -103,5 +104,4 @@ pub mod prelude {
     pub use siloflow_dem::survey::pair_map::PairMap;
     pub use siloflow_dem::survey::touching::Touching;
     pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
-    pub use siloflow_files::frames::{Palette, Scale};
 }

@@ -6,7 +6,7 @@
 use super::over_time::{marks, thinned};
 use super::rate::Fit;
 use super::run_files::RunFiles;
-use crate::measure::outflow::Rate;
+use crate::measure::outflow::rate::Rate;
 use siloflow_figures::diagram::{Axis, Clock, Curve, Key, Panel, colour};
 
 /// A quantity that leaves.

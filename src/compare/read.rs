@@ -15,7 +15,7 @@ use serde_json::Value;
 use crate::compare::Run;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
-use crate::measure::flow::FlowMeans;
+use crate::measure::flow::means::FlowMeans;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use siloflow_dem::space::Vector;

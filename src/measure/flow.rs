@@ -15,11 +15,14 @@
 //! Limit: the mean of a cell averages over the variation of the velocity in it. In a shear u = a x sampled uniformly,
 //! the mean is a times the middle of the cell. Its standard error for n grains is a L/sqrt(12 n), with the cell side L.
 
+pub mod means;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
+use self::means::FlowMeans;
 use siloflow_dem::values::{Positive, Share};
 
 /// The scene key `flow`.
@@ -62,23 +65,6 @@ struct Sums {
     count: u64,
     mass: f64,
     momentum: [f64; 2],
-}
-
-/// Means over one cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlowMeans {
-    /// Middle of the cell along the first axis.
-    pub x: f64,
-    /// Middle of the cell along the second axis, upwards.
-    pub y: f64,
-    /// Number of samples of the field.
-    pub samples: u64,
-    /// Grains per sample.
-    pub count: f64,
-    /// Mean velocity along the first axis.
-    pub vx: f64,
-    /// Mean velocity along the second axis.
-    pub vy: f64,
 }
 
 /// Sums of a flow field so far.

@@ -2,8 +2,7 @@
 //!
 //! The window is divided into [`BLOCKS`] equal blocks. Only blocks that the run completes count.
 //!
-//! * *Rates* in grains/s and kg/s: mean over the blocks, with the 95 % confidence interval t s/sqrt(n) of n blocks of standard
-//!   deviation s, with Student's t. It is sound if the flows of successive blocks are independent.
+//! * *Rates* in grains/s and kg/s: mean over the blocks, with the 95 % confidence interval ([`Rate`]).
 //! * *Residence time*: from the entry of a grain to its exit through a door, over the grains that leave in the blocks. Grains of the
 //!   start enter at 0.
 //! * *Segregation index*: Danckwerts' intensity of segregation of the outflow. With the share x_ks of species s in the mass of
@@ -14,16 +13,18 @@
 //!   is mass flow (Johanson and Jenike). It is sampled [`SAMPLES`] times in the window; its standard error is the jackknife's
 //!   ([`Blocks`]).
 
+pub mod rate;
+
 use serde::{Deserialize, Serialize};
 
+use self::rate::Rate;
 use crate::measure::fields::Blocks;
-use crate::statistics::student::t_95;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::Space;
 use siloflow_dem::values::{Finite, FiniteVector, NonNegative, Positive};
 
 /// Number of blocks of a window.
-pub const BLOCKS: usize = 16;
+pub const BLOCKS: usize = Rate::MOST_BLOCKS;
 
 /// Number of samples of velocities in a window.
 pub const SAMPLES: u32 = 128;
@@ -86,17 +87,6 @@ pub struct OutflowSums {
     blocks: Vec<Block>,
     /// Momentum downwards and mass in both zones, each zone in turn.
     zones: Blocks,
-}
-
-/// A mean with its 95 % confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Rate {
-    /// Mean of the blocks.
-    pub mean: f64,
-    /// Lower end of the interval; `None` below two blocks.
-    pub low: Option<f64>,
-    /// Upper end.
-    pub high: Option<f64>,
 }
 
 /// Residence times, s.
@@ -235,22 +225,6 @@ impl OutflowSums {
     }
 }
 
-impl Rate {
-    /// Returns the mean of the rates of at most [`BLOCKS`] blocks, with its interval.
-    ///
-    /// # Panics
-    /// With more blocks.
-    #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "16 blocks")]
-    pub fn of(rates: &[f64]) -> Self {
-        let n = rates.len() as f64;
-        let mean = rates.iter().sum::<f64>() / n;
-        let squares: f64 = rates.iter().map(|rate| (rate - mean).powi(2)).sum();
-        let half = (rates.len() > 1).then(|| t_95(rates.len() - 1) * (squares / (n - 1.0) / n).sqrt());
-        Self { mean, low: half.map(|half| mean - half), high: half.map(|half| mean + half) }
-    }
-}
-
 /// Returns the intensity of segregation of blocks, each with its masses by species, kg.
 fn segregation(blocks: &[&[f64]]) -> Option<f64> {
     let blocks: Vec<_> = blocks.iter().map(|masses| (masses.iter().sum::<f64>(), masses)).collect();
@@ -270,13 +244,6 @@ fn segregation(blocks: &[&[f64]]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_interval_has_the_width_of_student_s_distribution() {
-        // 2 and 4: standard deviation sqrt 2, so the interval is 12.706 on each side. Table of Student's t.
-        assert_eq!(Rate::of(&[2.0, 4.0]), Rate { mean: 3.0, low: Some(3.0 - 12.706), high: Some(3.0 + 12.706) });
-        assert_eq!(Rate::of(&[2.0]), Rate { mean: 2.0, low: None, high: None });
-    }
 
     #[test]
     fn segregation_is_1_in_pure_blocks_and_0_in_equal_ones() {

@@ -7,7 +7,7 @@
 //! | window of the scene | `outflow` of the summary |
 
 use crate::charts::rate::Fit;
-use crate::measure::outflow::Rate;
+use crate::measure::outflow::rate::Rate;
 use crate::report::html::{Section, quantity};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};

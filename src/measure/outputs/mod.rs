@@ -35,14 +35,15 @@
 //! Limit: a column has one number for each grain.
 
 mod check;
+pub mod scale;
 mod systems;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{BoxedReadOnlySystem, BoxedSystem, ReadOnlySystem};
-use siloflow_files::frames::Scale;
 
 pub(crate) use self::check::{Reserved, refuse};
+use self::scale::Scale;
 pub(crate) use self::systems::{
     GrainValues, SeriesValues, cells, compute_grain_columns, compute_series, names, summary_values,
 };

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::unpack::{Unpacked, unpack};
 use super::{Packed, SCRIPT};
+use crate::measure::outputs::scale::{Palette, Scale};
 use siloflow_files::frames::file::FrameFile;
 use siloflow_files::frames::{Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry};
-use siloflow_files::frames::{Palette, Scale};
 
 fn column(name: &str, components: u8, values: Values) -> Column {
     Column { name: name.to_owned(), unit: "u".to_owned(), components, values }

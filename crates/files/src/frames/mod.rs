@@ -28,8 +28,11 @@ mod codec;
 pub mod columns;
 pub mod file;
 pub mod reader;
+pub mod scale;
 
 use serde::{Deserialize, Serialize};
+
+use self::scale::Scale;
 
 /// Version of the format.
 ///
@@ -41,26 +44,6 @@ pub const FORMAT: u32 = 2;
 pub const TAKEN_NAMES: &str = "id kind species radius mass position velocity spin force pressure coordination kinetic_energy \
     age speed time_s step type pos velo x y z vx vy vz fx fy fz position_x position_y position_z velocity_x velocity_y velocity_z \
     spin_x spin_y spin_z force_x force_y force_z";
-
-/// Suggestion how a column of grains is coloured.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-pub struct Scale {
-    /// Value with the first colour of the palette.
-    pub from: f64,
-    /// Value with its last colour.
-    pub to: f64,
-    /// The palette.
-    pub palette: Palette,
-}
-
-/// A colour map for numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Palette {
-    /// From dark blue to yellow, for magnitudes.
-    Viridis,
-    /// From blue over white to red, for differences from the middle of the scale.
-    BlueRed,
-}
 
 /// Facts about a run that all its frames share.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]

@@ -136,7 +136,7 @@ pub(super) mod tests {
     use super::super::file::FrameFile;
     use super::super::{Column, FORMAT, RegisteredColumn, Table, Values};
     use super::*;
-    use crate::frames::{Palette, Scale};
+    use siloflow::measure::outputs::scale::{Palette, Scale};
 
     pub fn header() -> Header {
         Header {
