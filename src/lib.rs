@@ -55,7 +55,6 @@ pub mod report;
 pub mod rest;
 pub mod scene;
 pub mod simulation;
-pub mod statistics;
 pub mod studies;
 pub mod writers;
 
@@ -83,7 +82,6 @@ pub mod prelude {
     pub use crate::behaviour::{Behaviour, Registry};
     pub use crate::ledger::Ledger;
     pub use crate::measure::outputs::OutputApp;
-    pub use crate::measure::outputs::scale::{Palette, Scale};
     pub use crate::measure::{ObserveStage, due, observe_every};
     pub use crate::output::run_path::RunPath;
     pub use crate::scene::load;
@@ -104,4 +102,5 @@ pub mod prelude {
     pub use siloflow_dem::survey::pair_map::PairMap;
     pub use siloflow_dem::survey::touching::Touching;
     pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
+    pub use siloflow_files::frames::scale::{Palette, Scale};
 }

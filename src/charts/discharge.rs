@@ -6,8 +6,8 @@
 use super::over_time::{marks, thinned};
 use super::rate::Fit;
 use super::run_files::RunFiles;
-use crate::measure::outflow::rate::Rate;
 use siloflow_figures::diagram::{Axis, Clock, Curve, Key, Panel, colour};
+use siloflow_figures::statistics::rate::Rate;
 
 /// A quantity that leaves.
 struct Quantity {

@@ -4,7 +4,7 @@
 //! its thin end counts. This time is divided into up to sixteen blocks, whose rates are taken as independent; the interval is
 //! from Student's distribution. A block has at least two rows.
 
-use crate::measure::outflow::rate::Rate;
+use siloflow_figures::statistics::rate::Rate;
 
 /// A rate and the line that it makes.
 #[derive(Clone, Copy, Debug, PartialEq)]

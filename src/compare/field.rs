@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use crate::measure::flow::means::FlowMeans;
+use siloflow_files::flow_means::FlowMeans;
 
 /// One cell of a field.
 #[derive(Clone, Copy, Debug)]

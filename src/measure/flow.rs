@@ -15,15 +15,13 @@
 //! Limit: the mean of a cell averages over the variation of the velocity in it. In a shear u = a x sampled uniformly,
 //! the mean is a times the middle of the cell. Its standard error for n grains is a L/sqrt(12 n), with the cell side L.
 
-pub mod means;
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use self::means::FlowMeans;
 use siloflow_dem::values::{Positive, Share};
+use siloflow_files::flow_means::FlowMeans;
 
 /// The scene key `flow`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

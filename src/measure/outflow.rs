@@ -13,15 +13,13 @@
 //!   is mass flow (Johanson and Jenike). It is sampled [`SAMPLES`] times in the window; its standard error is the jackknife's
 //!   ([`Blocks`]).
 
-pub mod rate;
-
 use serde::{Deserialize, Serialize};
 
-use self::rate::Rate;
 use crate::measure::fields::Blocks;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::Space;
 use siloflow_dem::values::{Finite, FiniteVector, NonNegative, Positive};
+use siloflow_figures::statistics::rate::Rate;
 
 /// Number of blocks of a window.
 pub const BLOCKS: usize = Rate::MOST_BLOCKS;

@@ -7,10 +7,10 @@
 //! | window of the scene | `outflow` of the summary |
 
 use crate::charts::rate::Fit;
-use crate::measure::outflow::rate::Rate;
 use crate::report::html::{Section, quantity};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
+use siloflow_figures::statistics::rate::Rate;
 
 /// The fit to a column of a run's series, such as `out`.
 fn fit(run: &Run, column: &str) -> Option<Fit> {

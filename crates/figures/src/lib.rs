@@ -4,4 +4,5 @@ pub mod colour;
 pub mod diagram;
 pub mod movie;
 pub mod png;
+pub mod statistics;
 pub mod svg;

@@ -3,6 +3,7 @@
 
 pub mod binary;
 pub mod disk;
+pub mod flow_means;
 pub mod fnv;
 pub mod frames;
 pub mod growing;

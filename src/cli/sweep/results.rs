@@ -7,10 +7,10 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::sweep::foreign;
 use crate::cli::sweep::runs::Failure;
 use crate::cli::{picture_files, say, show};
-use crate::statistics::digits::short;
 use crate::studies::sweep::directory::{State, SweepDirectory};
 use crate::studies::sweep::table::{self, Row};
 use crate::studies::sweep::{Sweep, Task, figures, picture};
+use siloflow_figures::statistics::digits::short;
 use siloflow_text::fault::Fault;
 
 /// Most failed or missing runs that are listed.

@@ -112,7 +112,7 @@ mod tests {
 
     use super::*;
     use crate::measure::outputs::OutputApp as _;
-    use crate::measure::outputs::scale::{Palette, Scale};
+    use siloflow_files::frames::scale::{Palette, Scale};
 
     #[derive(Component)]
     struct Heat(f64);

@@ -35,7 +35,6 @@
 //! Limit: a column has one number for each grain.
 
 mod check;
-pub mod scale;
 mod systems;
 
 use bevy_app::App;
@@ -43,7 +42,6 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::{BoxedReadOnlySystem, BoxedSystem, ReadOnlySystem};
 
 pub(crate) use self::check::{Reserved, refuse};
-use self::scale::Scale;
 pub(crate) use self::systems::{
     GrainValues, SeriesValues, cells, compute_grain_columns, compute_series, names, summary_values,
 };
@@ -51,6 +49,7 @@ pub use self::systems::{Value, Values};
 #[cfg(doc)]
 use crate::measure::ObserveStage;
 use siloflow_dem::particle::Slot;
+use siloflow_files::frames::scale::Scale;
 
 /// Name, unit and label of a registered quantity.
 #[derive(Clone, Debug, PartialEq)]

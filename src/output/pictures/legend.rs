@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
 use super::style::Style;
-use crate::measure::outputs::scale::Palette;
 use crate::scene::outputs::Colour;
 use siloflow_dem::space::{Solid, Vector};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_figures::svg::Legend;
+use siloflow_files::frames::scale::Palette;
 use siloflow_files::frames::{Frame, Header};
 
 pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<String> {

@@ -5,9 +5,9 @@ use serde::Serialize;
 use super::links::TOP_FORCE;
 use super::plan::Plan;
 use super::scale::TOP;
-use crate::measure::outputs::scale::Palette;
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_files::frames::Header;
+use siloflow_files::frames::scale::Palette;
 
 /// The description of a run that the script needs besides the numbers.
 #[derive(Serialize)]

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::unpack::{Unpacked, unpack};
 use super::{Packed, SCRIPT};
-use crate::measure::outputs::scale::{Palette, Scale};
 use siloflow_files::frames::file::FrameFile;
+use siloflow_files::frames::scale::{Palette, Scale};
 use siloflow_files::frames::{Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry};
 
 fn column(name: &str, components: u8, values: Values) -> Column {

@@ -12,7 +12,7 @@ use super::cases::bed;
 use super::{SCHEMES, trial};
 use crate::behaviour::Registry;
 use crate::simulation::Simulation;
-use crate::statistics::mean::median;
+use siloflow_figures::statistics::mean::median;
 
 /// t_c/dt of the timed runs.
 const STEPS_PER_CONTACT: f64 = 20.4;

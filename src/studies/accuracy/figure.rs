@@ -5,8 +5,8 @@
 
 use super::report::{Entry, Report, SUMMARY};
 use super::work_precision::pareto;
-use crate::statistics::mean::geometric_mean;
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::mean::geometric_mean;
 
 /// Panels per row.
 const PER_ROW: usize = 4;

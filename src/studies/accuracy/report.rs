@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::SCHEMES;
 use super::ladder::Climb;
 use super::work_precision::{Needed, needed, pareto};
-use crate::statistics::mean::geometric_mean;
+use siloflow_figures::statistics::mean::geometric_mean;
 
 /// Target errors whose cost is reported.
 pub const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];

@@ -9,9 +9,9 @@
 //! each claim are firm: a single seed is enough to decide them. Tests assert the firm statements that hold.
 
 use crate::lattice_silo::observables::{QUANTITIES, Quantity};
-use crate::statistics::mean::Mean;
 use crate::studies::study::plan::Variant;
 use crate::studies::study::results::Results;
+use siloflow_figures::statistics::mean::Mean;
 use siloflow_lattice::rules::Walls;
 
 /// The result of testing a statement.

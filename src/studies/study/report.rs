@@ -4,11 +4,11 @@
 use std::fmt::Write as _;
 
 use crate::lattice_silo::observables::QUANTITIES;
-use crate::statistics::mean::Mean;
 use crate::studies::study::claims::{CLAIMS, Verdict, quantity, shown};
 use crate::studies::study::figures::{self, Flights, Panel, SheetRow, sheet};
 use crate::studies::study::plan::{Plan, Variant};
 use crate::studies::study::results::Results;
+use siloflow_figures::statistics::mean::Mean;
 
 /// Returns the tables: (file name, content).
 #[must_use]

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use crate::lattice_silo::observables::Quantity;
-use crate::statistics::mean::Mean;
 use crate::studies::study::plan::Variant;
 use crate::studies::study::replica::Replica;
+use siloflow_figures::statistics::mean::Mean;
 
 /// All replicas of a study.
 #[derive(Debug)]

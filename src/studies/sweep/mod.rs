@@ -7,7 +7,7 @@
 //! | the names of the figures of a run | [`figures`] |
 //! | the sweep directory and the state of each run in it | [`directory`] |
 //! | means and standard errors over the seeds | [`table`] |
-//! | fits through the means | [`statistics::fit`](crate::statistics::fit) |
+//! | fits through the means | [`statistics::fit`](siloflow_figures::statistics::fit) |
 //! | pictures of the means | [`picture`] |
 //! | scripts that make a job array of a sweep | [`script`] |
 //! | one run as a function call, for programs that calibrate | [`evaluate`] |

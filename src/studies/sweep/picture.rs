@@ -7,11 +7,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::statistics::digits::short;
-use crate::statistics::fit::Fitted;
 use crate::studies::sweep::Sweep;
 use crate::studies::sweep::table::{Cell, csv};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::digits::short;
+use siloflow_figures::statistics::fit::Fitted;
 
 /// Most curves of a panel: the number of colours other than that of the fit.
 const MOST_CURVES: usize = 6;

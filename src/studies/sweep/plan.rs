@@ -10,8 +10,8 @@ use ron::value::RawValue;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::statistics::fit::Law;
 use crate::studies::sweep::MOST_RUNS;
+use siloflow_figures::statistics::fit::Law;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 use siloflow_text::source::Source;

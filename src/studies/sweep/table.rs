@@ -5,8 +5,8 @@
 
 use serde_json::Value;
 
-use crate::statistics::mean::Mean;
 use crate::studies::sweep::{Sweep, Task, figures};
+use siloflow_figures::statistics::mean::Mean;
 
 /// A run as the tables need it.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Groups of runs by a number of theirs, and means over runs.
 
-use crate::statistics::mean::{Mean, mean};
 use crate::studies::validation::runs::Run;
+use siloflow_figures::statistics::mean::{Mean, mean};
 
 /// Returns runs by a number of theirs, in ascending order; runs without the number are left out.
 #[must_use]

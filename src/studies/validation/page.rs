@@ -10,10 +10,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::statistics::digits::short;
 use crate::studies::validation::cases::CASES;
 use crate::studies::validation::verdict::{Judgement, Picture, Verdict};
 use crate::studies::validation::{Case, Form, unreadable};
+use siloflow_figures::statistics::digits::short;
 use siloflow_files::own_files;
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::charts::run_files::RunFiles;
-use crate::statistics::points::{between, slope};
 use crate::studies::sweep::directory::SweepDirectory;
 use crate::studies::sweep::figures::{figure, is_failure};
 use crate::studies::sweep::{Sweep, Task};
+use siloflow_figures::statistics::points::{between, slope};
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 

@@ -2,8 +2,8 @@
 //!
 //! A rule comes from the publication or from theory. A figure without a published value that could be read is only reported.
 
-use crate::statistics::digits::{digits, short};
-use crate::statistics::mean::Mean;
+use siloflow_figures::statistics::digits::{digits, short};
+use siloflow_figures::statistics::mean::Mean;
 
 /// The rule that a figure has to obey.
 #[derive(Clone, Copy, Debug, PartialEq)]

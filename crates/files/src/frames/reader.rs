@@ -136,7 +136,7 @@ pub(super) mod tests {
     use super::super::file::FrameFile;
     use super::super::{Column, FORMAT, RegisteredColumn, Table, Values};
     use super::*;
-    use siloflow::measure::outputs::scale::{Palette, Scale};
+    use crate::frames::scale::{Palette, Scale};
 
     pub fn header() -> Header {
         Header {

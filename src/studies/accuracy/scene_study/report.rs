@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::Rung;
 use super::observe::{Kind, OBSERVABLES};
 use super::verdict::{MeanOfRuns, Standing};
-use crate::statistics::mean::median;
+use siloflow_figures::statistics::mean::median;
 
 /// An observable at one step.
 #[derive(Clone, Debug, Serialize)]

@@ -8,8 +8,8 @@
 
 use serde::Serialize;
 
-use crate::statistics::mean::Mean;
-use crate::statistics::student::t_99;
+use siloflow_figures::statistics::mean::Mean;
+use siloflow_figures::statistics::student::t_99;
 
 /// A mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -6,12 +6,12 @@
 //! The rate is the slope of a straight line through the rows of `series.csv` between 10 and 60 g. The curve is compared after a shift in time, because the
 //! published clock starts with the experiment: the shift is the one of least mean square.
 
-use crate::statistics::mean::mean;
-use crate::statistics::points::{between, interpolated, slope};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::mean::mean;
+use siloflow_figures::statistics::points::{between, interpolated, slope};
 use siloflow_text::fault::Fault;
 
 /// The case.

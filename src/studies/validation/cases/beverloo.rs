@@ -22,13 +22,13 @@ use std::fmt::Write as _;
 use self::bed::{Silo, density, rate};
 use self::heights::heights;
 use self::laws::{Laws, OFFSET};
-use crate::statistics::digits::short;
-use crate::statistics::mean::Mean;
 use crate::studies::validation::groups::{groups_by, mean_of};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::sheet;
+use siloflow_figures::statistics::digits::short;
+use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -14,11 +14,11 @@ mod normal;
 mod oblique;
 mod published;
 
-use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Curve, colour, sheet};
+use siloflow_figures::statistics::points::interpolated;
 use siloflow_text::fault::Fault;
 
 /// The sweep files, one for each test.

@@ -16,15 +16,15 @@
 mod layer;
 
 use self::layer::Layer;
-use crate::statistics::digits::short;
-use crate::statistics::fit::Law;
-use crate::statistics::fit::best_line;
-use crate::statistics::mean;
-use crate::statistics::mean::Mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
+use siloflow_figures::statistics::digits::short;
+use siloflow_figures::statistics::fit::Law;
+use siloflow_figures::statistics::fit::best_line;
+use siloflow_figures::statistics::mean;
+use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -7,19 +7,19 @@
 //! | figure | definition | a geometric distribution has |
 //! |---|---|---|
 //! | ratio of moments | mean of (k + 1)^2 over the squared mean of k + 1 | 2 - 1/M, with M the mean of k + 1 |
-//! | p-value | chance of a larger distance of a geometric sample ([`geometric`](crate::statistics::geometric)) | a uniform value |
+//! | p-value | chance of a larger distance of a geometric sample ([`geometric`](siloflow_figures::statistics::geometric)) | a uniform value |
 //!
 //! The mean is fitted with two laws of the literature: ln n = a + b D^2, without a critical width (Janda, Zuriguel, Garcimartin, Pugnaloni and Maza,
 //! EPL 84, 44002, 2008), and ln n = a - c ln(D_c - D), which diverges at a critical width D_c (Zuriguel et al. 2005, for spheres).
 
 use crate::random::Stream;
-use crate::statistics::digits::short;
-use crate::statistics::fit::{BestLine, Law, best_line};
-use crate::statistics::geometric::{count, mean, ratio_of_moments, test};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::digits::short;
+use siloflow_figures::statistics::fit::{BestLine, Law, best_line};
+use siloflow_figures::statistics::geometric::{count, mean, ratio_of_moments, test};
 use siloflow_text::fault::Fault;
 
 /// The case.

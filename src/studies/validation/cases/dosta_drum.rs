@@ -13,13 +13,13 @@ use std::f64::consts::PI;
 
 use self::lead::Zone;
 
-use crate::statistics::digits::short;
-use crate::statistics::mean::mean;
-use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::digits::short;
+use siloflow_figures::statistics::mean::mean;
+use siloflow_figures::statistics::points::interpolated;
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 

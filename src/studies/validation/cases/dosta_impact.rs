@@ -10,13 +10,13 @@
 //!
 //! The rebound is chaotic and is not compared.
 
-use crate::statistics::digits::digits;
-use crate::statistics::mean::Mean;
-use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::digits::digits;
+use siloflow_figures::statistics::mean::Mean;
+use siloflow_figures::statistics::points::interpolated;
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
 

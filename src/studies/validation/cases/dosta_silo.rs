@@ -6,11 +6,11 @@
 //!
 //! Young's moduli are a hundredth of the published ones, in the runs of friction a thousandth. `short.ron` and `full-stiff.ron` show the rate against the modulus.
 
-use crate::statistics::points::interpolated;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
+use siloflow_figures::statistics::points::interpolated;
 use siloflow_text::fault::Fault;
 
 /// The case.

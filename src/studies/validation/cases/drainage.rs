@@ -8,14 +8,14 @@
 //! height the Gaussian of least squares is found for the downward flux of grains, and its variance s gives b = s/(2 z). The void model takes b for the length of the
 //! grains' own diffusion as well, which is d/Pe.
 
-use crate::statistics::fit::Law;
-use crate::statistics::mean::mean;
-use crate::statistics::points::{between, slope};
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::tracks::{Tracks, Window};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
+use siloflow_figures::statistics::fit::Law;
+use siloflow_figures::statistics::mean::mean;
+use siloflow_figures::statistics::points::{between, slope};
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -17,11 +17,11 @@ mod standard;
 
 use self::loads::{GRAVITY, Loads, Window};
 use self::profile::{Profile, fit_vanel_clement};
-use crate::statistics::mean::mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::sheet;
+use siloflow_figures::statistics::mean::mean;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -13,14 +13,14 @@
 mod profile;
 
 use self::profile::{DIAMETER, GRAVITY, Point, Profile};
-use crate::statistics::fit::best_line;
-use crate::statistics::mean;
-use crate::statistics::mean::Mean;
 use crate::studies::validation::groups::groups_by;
 use crate::studies::validation::runs::Studies;
 use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::statistics::fit::best_line;
+use siloflow_figures::statistics::mean;
+use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// The case.

@@ -1,10 +1,10 @@
 //! The rate of one slot with two heights of the bed.
 
 use super::bed::{Silo, rate};
-use crate::statistics::mean::Mean;
 use crate::studies::validation::runs::{Run, Studies};
 use crate::studies::validation::verdict::{Row, Rule};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour};
+use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// Runs of one slot, by height; those that clogged do not count.

@@ -1,8 +1,8 @@
 //! The laws of the discharge rate, fitted to the rates of all runs, and their panels.
 
 use super::bed::Silo;
-use crate::statistics::least_squares::{Fit, fit};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour};
+use siloflow_figures::statistics::least_squares::{Fit, fit};
 
 /// Fits to rates in units of the bed.
 pub(super) struct Laws {

@@ -7,10 +7,10 @@
 use super::law::{Impact, Spring};
 use super::published::{KHARAZ, PARTING, RECOIL, RECOIL_OF_ELEMENTS, RESTITUTION, SPIN, SPIN_RATIO};
 use super::{Points, bounded, by_axis, deviation, dots, end, line};
-use crate::statistics::points::{between, interpolated};
 use crate::studies::validation::runs::Run;
 use crate::studies::validation::verdict::{Row, Rule};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel};
+use siloflow_figures::statistics::points::{between, interpolated};
 use siloflow_text::fault::Fault;
 
 /// Speed of test 4, m/s.

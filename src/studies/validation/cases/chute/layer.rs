@@ -1,8 +1,8 @@
 //! A layer on an incline in one window of time: its depth, friction, inertial number and exponent.
 
-use crate::statistics::fit::{Law, best_line};
-use crate::statistics::mean::Mean;
 use crate::studies::validation::runs::Run;
+use siloflow_figures::statistics::fit::{Law, best_line};
+use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// Mean diameter of the spheres (m), and gravity (m/s^2).

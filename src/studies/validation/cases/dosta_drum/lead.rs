@@ -3,9 +3,9 @@
 //! The deviation at a shift s is the root of the mean of ((n(t - s) - m(t))/N)^2 over all zones and published times t, with the count n of siloflow, the mean m of both codes,
 //! and the number N of grains of the material. The lead is the shift with the least deviation.
 
-use crate::statistics::mean::mean;
-use crate::statistics::points::interpolated;
 use crate::studies::validation::verdict::{Judgement, Row};
+use siloflow_figures::statistics::mean::mean;
+use siloflow_figures::statistics::points::interpolated;
 
 /// A material in a zone.
 pub(super) struct Zone {

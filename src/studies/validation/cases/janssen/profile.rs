@@ -14,8 +14,8 @@
 use std::f64::consts::PI;
 
 use super::loads::GRAVITY;
-use crate::statistics::least_squares::{Fit, fit};
 use crate::studies::validation::runs::Run;
+use siloflow_figures::statistics::least_squares::{Fit, fit};
 use siloflow_text::fault::Fault;
 
 /// A slice.

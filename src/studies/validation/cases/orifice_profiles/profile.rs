@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::statistics::fit::Law;
 use crate::studies::validation::runs::Run;
+use siloflow_figures::statistics::fit::Law;
 use siloflow_text::fault::Fault;
 
 /// Mean diameter of the grains, m.

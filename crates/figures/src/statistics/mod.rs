@@ -4,6 +4,7 @@
 //! |---|---|
 //! | mean and standard error, median, geometric mean | [`mean`] |
 //! | Student's t | [`student`] |
+//! | a mean rate with its interval | [`rate`] |
 //! | straight lines with standard errors | [`line`] |
 //! | laws that a transformation makes straight | [`fit`] |
 //! | laws that are not straight lines: Levenberg's and Marquardt's method | [`least_squares`] |
@@ -20,6 +21,7 @@ pub mod least_squares;
 pub mod line;
 pub mod mean;
 pub mod points;
+pub mod rate;
 pub mod student;
 
 #[cfg(test)]
