@@ -22,7 +22,7 @@ use siloflow::dem::store::ParticleStore;
 use siloflow::files::growing::OutputPlace;
 use siloflow::grains::file;
 use siloflow::measure::totals;
-use siloflow::output::pictures::during_run::PicturesPlugin;
+use siloflow::output::pictures::PicturesPlugin;
 use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
 use siloflow::scene::outputs::Series;

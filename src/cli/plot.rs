@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::charts::run_files::RunFiles;
-use crate::charts::{self, Figure};
+use siloflow_results::run_results::RunResults;
+use siloflow_results::plot::{Figure, self};
 use crate::cli::exit_status::Verdict;
 use crate::cli::{check_results, picture_files, say, write_results};
 use siloflow_text::fault::Fault;

@@ -9,7 +9,7 @@ use clap::Args;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
-use crate::report;
+use siloflow_results::report;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::report_of;
 use siloflow_files::whole_file;

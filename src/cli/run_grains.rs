@@ -20,7 +20,7 @@ use crate::output::frame_recording::FrameDataPlugin;
 use crate::output::losses::LossesPlugin;
 use crate::output::outflow::OutflowPlugin;
 use crate::output::parent::ParentPlugin;
-use crate::output::pictures::during_run::PicturesPlugin;
+use crate::output::pictures::PicturesPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_path::RunPath;
 use crate::output::series::SeriesPlugin;

@@ -27,7 +27,7 @@ use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
 use crate::output::parent::Parent;
 use crate::output::summary::Cost;
-use crate::report;
+use siloflow_results::report;
 use crate::simulation::Simulation;
 use crate::writers::provenance::Provenance;
 use siloflow_dem::outcome::{End, Failure};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::camera::Direction;
+use siloflow_results::pictures::camera::Direction;
 use siloflow_dem::values::{Finite, FiniteVector, Positive};
 
 /// The scene's `pictures`.

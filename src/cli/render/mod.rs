@@ -19,7 +19,7 @@ use clap::Args;
 
 use self::options::{ColourOption, colour, positive};
 use crate::cli::exit_status::Verdict;
-use crate::scene::camera::Direction;
+use siloflow_results::pictures::camera::Direction;
 use siloflow_text::fault::Fault;
 
 /// Arguments of `render`.

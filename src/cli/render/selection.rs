@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io;
 
 use super::RenderArgs;
-use crate::output::pictures::style::speeds;
+use siloflow_results::pictures::style::speeds;
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::{Frame, Header};
 

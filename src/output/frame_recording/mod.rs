@@ -25,7 +25,7 @@ use self::writer::FrameWriter;
 use crate::ledger::Ledger;
 use crate::measure::outputs::{self, BehaviourOutputs, GrainColumn, GrainValues, Quantity};
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::output::frame_export::live::LiveFormats;
+use crate::output::frame_recording::live::LiveFormats;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::writers::rows::TakenOnce;

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::output::frame_export::live::{LiveFormats, SavedFormats};
+use crate::output::frame_recording::live::{LiveFormats, SavedFormats};
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_files::frames::Frame;

@@ -1,82 +1,120 @@
-//! Pictures of grains, drawn from a [`Frame`]: those of a run, `frames/NNNNN.svg`, and those that `siloflow render` makes later.
+//! The pictures of a run: `frames/NNNNN.svg` every `pictures.interval` seconds and at the end, and PNGs if the scene wants them.
 //!
-//! A picture is a function of [`Header`], [`Frame`] and [`Style`]. The same frame gives the same picture during and after a run.
-//!
-//! Wall grains are red and door grains green, as the assignment requires. Grains are coloured by species or by a number. The scale
-//! of a number is fixed, so that pictures of a run can be compared. With `network`, each contact is drawn as a bond between the
-//! centres. The width of a bond is proportional to the normal force, and bonds of sliding contacts are orange.
-//!
-//! Solid space is drawn as an orthographic projection, from back to front: walls behind the grains, shaded spheres, walls in front
-//! of the grains.
-//!
-//! | part | content |
-//! |---|---|
-//! | `style.rs` | quantities, colours and direction of looking |
-//! | `grains.rs`, `hidden.rs` | discs and spheres; which spheres cannot be seen |
-//! | `bonds.rs` | contact forces |
-//! | `walls.rs`, `edges.rs`, `clip.rs` | walls as lines, and as translucent surfaces with edges |
-//! | `legend.rs` | header, legend and key |
-//! | `during_run.rs` | the pictures of a run |
+//! A picture is drawn by the thread that writes it, from the frame of the same step that goes into `frames.bin`. If there is no
+//! such frame, or it lacks the contacts or walls of the picture, a frame is made for the picture.
 
-mod bonds;
-mod clip;
-pub mod during_run;
-mod edges;
-mod grains;
-mod hidden;
-mod legend;
-pub mod style;
-mod walls;
+use std::marker::PhantomData;
+use std::path::PathBuf;
+use std::sync::Arc;
 
-#[cfg(test)]
-mod tests;
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
 
-use self::style::Style;
-use siloflow_dem::space::Solid;
-use siloflow_figures::svg::{Finish, Picture};
-use siloflow_files::frames::{Frame, Header};
+use super::draw;
+use super::style::Style;
+use crate::measure::outputs;
+use crate::measure::{ObserveStage, due, observe_every};
+use crate::output::frame_recording::{self, Content, FramesRecorded, Observed, Recording};
+use crate::output::run_path::RunPath;
+use crate::scene::loaded::Loaded;
+use crate::scene::outputs::{Colour, DataFrames, Pictures};
+use crate::writers::picture_writer::PictureWriter;
+use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::space::Space;
+use siloflow_dem::step::Step;
+use siloflow_files::frames::Header;
+use siloflow_text::fault::Fault;
 
-/// Returns the picture of a frame.
-#[must_use]
-pub fn draw(header: &Header, frame: &Frame, style: &Style) -> Picture {
-    let is_solid = header.dimension == 3;
-    let grains = grains::Grains::of(header, frame, style);
-    let bonds = bonds::of(header, frame, style, &grains);
-    let walls = frame.walls(header);
-    let surfaces =
-        if is_solid { walls::surfaces(header, &walls, style, grains.middle()) } else { walls::Surfaces::default() };
-    Picture {
-        low: style.view.0,
-        high: style.view.1,
-        width: style.width,
-        header: legend::header(header, frame, style),
-        legend: legend::legend(header, frame, style, &grains),
-        legend_rows: legend::rows(header, style),
-        key: legend::key(style, &bonds),
-        axes: if is_solid { legend::axes(style) } else { Vec::new() },
-        behind: surfaces.behind,
-        front: surfaces.front,
-        lines: if is_solid { Vec::new() } else { walls::lines(&walls, style) },
-        discs: grains.discs(style, is_solid),
-        finish: if is_solid { Finish::Shaded } else { Finish::Outlined },
-        bonds: bonds.shapes,
-        ..Picture::default()
+/// Draws the pictures of a run.
+pub struct PicturesPlugin<V: Space> {
+    pictures: Pictures,
+    /// Directory of the pictures.
+    directory: PathBuf,
+    drawing: Drawing,
+    /// Whether the columns of behaviours are computed for the pictures.
+    has_own_columns: bool,
+    space: PhantomData<V>,
+}
+
+/// The data that the pictures of a run share.
+#[derive(Resource, Clone)]
+struct Drawing {
+    header: Arc<Header>,
+    style: Arc<Style>,
+    /// The content that a picture needs of a frame.
+    content: Content,
+}
+
+impl<V: Space> PicturesPlugin<V> {
+    /// Returns the plugin of a scene, whose pictures go to `directory`; `None` if the scene wants no pictures. The world has the
+    /// columns that behaviours have registered.
+    ///
+    /// # Errors
+    /// If grains have no column of the name that the scene gives as their colour.
+    pub fn of(loaded: &Loaded, world: &World, directory: PathBuf) -> Result<Option<Self>, Fault> {
+        let Some(pictures) = loaded.scene.pictures.clone() else { return Ok(None) };
+        let header = frame_recording::header::<V>(loaded, &DataFrames::default(), world);
+        check_colour(loaded, &pictures.colour, &header)?;
+        let style = Style::of(loaded, &pictures);
+        let is_measured = matches!(style.colour, Colour::Pressure(_) | Colour::Column(..));
+        let content = Content::new(&header, style.network.is_some(), true, is_measured);
+        let drawing = Drawing { header: Arc::new(header), style: Arc::new(style), content };
+        // Where frames are recorded at the same times, they compute the columns of behaviours.
+        let is_recorded = loaded
+            .scene
+            .data_frames()
+            .is_some_and(|(_, interval)| interval.total_cmp(&pictures.interval.get()).is_eq());
+        let has_own_columns = is_measured && !is_recorded;
+        Ok(Some(Self { pictures, directory, drawing, has_own_columns, space: PhantomData }))
     }
 }
 
-/// Returns the number of rows above the view in every picture of a run.
-#[must_use]
-pub fn rows(header: &Header, style: &Style) -> usize {
-    // The header and a colour scale have three.
-    legend::rows(header, style).max(3)
+fn check_colour(loaded: &Loaded, colour: &Colour, header: &Header) -> Result<(), Fault> {
+    let Colour::Column(name, ..) = colour else { return Ok(()) };
+    let registered = header.columns.iter().map(|column| column.name.as_str());
+    let columns: Vec<_> = Colour::COLUMNS.into_iter().chain(registered).collect();
+    if columns.contains(&name.as_str()) {
+        return Ok(());
+    }
+    let message = format!("grains have no column `{name}` of one number");
+    let help = format!("the columns are {}", columns.join(", "));
+    Err(loaded.fault("scene::no_such_column", "pictures.colour", message).help(help))
 }
 
-/// Returns a point of a column of vectors.
-fn point(numbers: &[f64], dimension: u8, row: usize) -> Option<Solid> {
-    let first = row.checked_mul(dimension.into())?;
-    match *numbers.get(first..first + usize::from(dimension))? {
-        [x, y] => Some(Solid::new(x, y, 0.0)),
-        [x, y, z] => Some(Solid::new(x, y, z)),
-        _ => None,
+fn draw_frame<V: Space>(
+    observed: Observed<V>,
+    recording: Option<Res<Recording>>,
+    drawing: Res<Drawing>,
+    mut picture_writer: ResMut<PictureWriter>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let wanted = &drawing.content;
+    let has_all = |recording: &Recording| {
+        (recording.content.contacts || !wanted.contacts) && (recording.content.walls || !wanted.walls)
+    };
+    let recorded = recording.filter(|recording| has_all(recording)).and_then(|recording| recording.latest.clone());
+    let recorded = recorded.filter(|frame| frame.step == observed.clock.steps);
+    let frame = recorded.unwrap_or_else(|| Arc::new(observed.frame(wanted)));
+    if let Err(reason) = drawing.style.check(&frame) {
+        outcome.fail(Failure::Output { path: "a picture with the scene's `pictures.colour`".to_owned(), reason });
+        return;
+    }
+    let Drawing { header, style, .. } = drawing.clone();
+    picture_writer.add(move || draw(&header, &frame, &style), &mut outcome);
+}
+
+impl<V: Space> Plugin for PicturesPlugin<V> {
+    fn build(&self, app: &mut App) {
+        observe_every::<Pictures>(app, self.pictures.interval.get());
+        if self.has_own_columns {
+            outputs::compute_grain_columns(app, due::<Pictures>);
+        }
+        PictureWriter::persist(app);
+        let writer = PictureWriter::new(self.directory.clone(), self.pictures.png);
+        let writer = writer.recorded_in(app.world().get_resource::<RunPath>().map(|run| &run.files));
+        let draw = draw_frame::<V>.in_set(ObserveStage::Write).after(FramesRecorded);
+        app.insert_resource(self.drawing.clone())
+            .insert_resource(writer)
+            .add_systems(Step, draw.run_if(due::<Pictures>));
     }
 }

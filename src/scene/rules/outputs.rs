@@ -1,6 +1,6 @@
 //! Rules on what a run writes: the size of pictures, and how often it writes rows and pictures.
 
-use crate::scene::camera::Direction;
+use siloflow_results::pictures::camera::Direction;
 use crate::scene::expected;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};

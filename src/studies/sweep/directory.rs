@@ -242,7 +242,7 @@ impl SweepDirectory {
                 let target = path.with_extension("parquet");
                 let part = whole_file::part_of(&target);
                 whole_file::remove_if_there(&part)?;
-                crate::output::frame_export::parquet::convert(&path, &part)?;
+                siloflow_results::export::parquet::convert(&path, &part)?;
                 fs::rename(part, target)?;
             }
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::charts::run_files::RunFiles;
+use siloflow_results::run_results::RunResults;
 use crate::studies::sweep::directory::SweepDirectory;
 use crate::studies::sweep::figures::{figure, is_failure};
 use crate::studies::sweep::{Sweep, Task};

@@ -25,7 +25,7 @@ pub mod xyz;
 use std::io;
 use std::path::Path;
 
-use crate::scene::outputs::Format;
+use crate::export::Format;
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::{Column, Frame, Header, Table, Values};
 use siloflow_files::run_directory::PartDirectory;

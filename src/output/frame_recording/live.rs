@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 
 use super::{dump, vtk, xyz};
-use crate::scene::outputs::Format;
+use siloflow_results::export::Format;
 use siloflow_dem::persist::Problem;
 use siloflow_files::disk;
 use siloflow_files::frames::{Frame, Header};

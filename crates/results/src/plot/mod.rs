@@ -27,7 +27,7 @@ mod over_time;
 pub mod rate;
 pub mod run_files;
 
-use crate::charts::run_files::RunFiles;
+use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Panel, sheet};
 use siloflow_text::fault::Fault;
 

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use crate::report::html::{Section, escape, quantity, scrolled};
 use crate::report::run::Run;
 use crate::report::table;
-use crate::scene::loaded::AnyScene;
+use siloflow::scene::loaded::AnyScene;
 use siloflow_dem::walls::config::Wall;
 use siloflow_files::table::Table;
 

@@ -103,7 +103,7 @@ fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, F
 #[expect(clippy::float_cmp, reason = "exact values")]
 pub(crate) mod tests {
     use super::*;
-    use crate::measure::flow::FlowField;
+    use siloflow::measure::flow::FlowField;
 
     /// Returns a run with the downward speed `down(x, y)` over 4 x 4 cells and the discharge 1 - exp(-t/`time`).
     pub(crate) fn run(name: &str, time: f64, down: impl Fn(f64, f64) -> f64) -> Run {

@@ -6,7 +6,7 @@
 //! | mean with its 95 % confidence interval | [`Fit`] to `series.csv`, as drawn in the figure of the discharge |
 //! | window of the scene | `outflow` of the summary |
 
-use crate::charts::rate::Fit;
+use crate::plot::rate::Fit;
 use crate::report::html::{Section, quantity};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};

@@ -3,14 +3,14 @@
 
 use std::fmt::Write as _;
 
-use crate::lattice_silo;
+use siloflow::lattice_silo;
 use crate::report::html::{Section, code, escape, list, message};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
-use crate::scene::TimeStep;
-use crate::scene::check::automatic::{automatic, expected_error};
-use crate::scene::check::{self, Estimates};
-use crate::scene::loaded::{AnyScene, Loaded};
+use siloflow::scene::TimeStep;
+use siloflow::scene::check::automatic::{automatic, expected_error};
+use siloflow::scene::check::{Estimates, self};
+use siloflow::scene::loaded::{AnyScene, Loaded};
 use siloflow_text::fault::Warning;
 
 /// The section of the step and its error.

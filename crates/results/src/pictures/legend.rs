@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
 use super::style::Style;
-use crate::scene::outputs::Colour;
+use siloflow::scene::outputs::Colour;
 use siloflow_dem::space::{Solid, Vector};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_figures::svg::Legend;

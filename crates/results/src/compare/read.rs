@@ -5,7 +5,7 @@
 //!   start.
 //! * `series.csv`: `out` as a function of `time_s` or `step`.
 //! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`. LAMMPS writes none
-//!   ([`crate::lammps`]).
+//!   ([`siloflow::lammps`]).
 //! * `scene.ron`: wall grains, for pictures; optional.
 
 use std::path::Path;
@@ -15,8 +15,8 @@ use serde_json::Value;
 use crate::compare::Run;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
-use crate::scene::load;
-use crate::scene::loaded::AnyScene;
+use siloflow::scene::load;
+use siloflow::scene::loaded::AnyScene;
 use siloflow_dem::space::Vector;
 use siloflow_dem::walls::silo_file::Disc;
 use siloflow_files::flow_means::FlowMeans;

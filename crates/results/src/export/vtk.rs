@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use super::grain_columns;
 use super::vtp::PolyData;
-use crate::scene::outputs::Format;
+use crate::export::Format;
 use siloflow_files::frames::{Column, Frame, Header, Table, Values};
 use siloflow_files::growing::Growing;
 use siloflow_files::own_files;

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::charts::run_files::RunFiles;
-use crate::scene::load;
-use crate::scene::loaded::AnyScene;
+use crate::run_results::RunResults;
+use siloflow::scene::load;
+use siloflow::scene::loaded::AnyScene;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::scene_of;
 use siloflow_files::table::Table;

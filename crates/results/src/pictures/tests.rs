@@ -1,7 +1,7 @@
 use super::style::Style;
 use super::*;
-use crate::scene::camera::{Camera, Direction};
-use crate::scene::outputs::Colour;
+use crate::pictures::camera::{Camera, Direction};
+use siloflow::scene::outputs::Colour;
 use siloflow_dem::space::{Dimension, Vector};
 use siloflow_dem::values::{Finite, Positive};
 use siloflow_figures::svg::Legend;
@@ -167,9 +167,9 @@ fn a_round_wall_shows_its_rims_and_its_outline() {
     let wall = SurfaceWall::still(Surface::Revolved(cylinder), Species(0));
     let domain = [Solid::ZERO, Solid::splat(4.0)];
     let mut header = header(3);
-    header.walls = crate::output::frame_recording::geometry::walls(&[wall], domain);
+    header.walls = siloflow::output::frame_recording::geometry::walls(&[wall], domain);
     let picture = draw(&header, &frame(&[(0, 0, &[2.0; 3])]), &style(Dimension::Solid, Direction::Iso));
     let edges = picture.front.iter().chain(&picture.behind).map(|patch| patch.edges.len()).sum::<usize>();
     // Two rims of as many edges as there are sectors, and two lines of the outline.
-    assert_eq!(edges, 2 * crate::output::frame_recording::geometry::SECTORS as usize + 2);
+    assert_eq!(edges, 2 * siloflow::output::frame_recording::geometry::SECTORS as usize + 2);
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::report::html::{Section, code, escape};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
-use crate::scene::loaded::AnyScene;
+use siloflow::scene::loaded::AnyScene;
 use siloflow_files::run_directory::hash_of_input;
 
 /// The section of the origin of each run.

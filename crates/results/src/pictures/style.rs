@@ -1,9 +1,9 @@
 //! The style of a picture: its quantities, its colours and its direction of looking.
 
-use crate::scene::camera::Camera;
-use crate::scene::loaded::Loaded;
-use crate::scene::outputs::{Colour, Pictures};
-use crate::scene::view;
+use crate::pictures::camera::Camera;
+use siloflow::scene::loaded::Loaded;
+use siloflow::scene::outputs::{Colour, Pictures};
+use siloflow::output::pictures::view;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space, Vector};
 use siloflow_dem::walls::surfaces::Surface;
 use siloflow_files::frames::{Frame, Header};

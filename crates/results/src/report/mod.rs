@@ -26,12 +26,12 @@ pub mod walls;
 
 use std::path::Path;
 
-use crate::charts::run_files::RunFiles;
-use crate::charts::{self, Figure};
+use crate::run_results::RunResults;
+use crate::plot::{Figure, self};
 use crate::report::document::Contents;
 use crate::report::player::Packed;
 use crate::report::run::Run;
-use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
+use siloflow::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
 use siloflow_text::fault::Fault;
 
 /// Most runs of one report.

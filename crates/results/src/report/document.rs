@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use hmac_sha256::Hash;
 use serde_json::{Map, Value};
 
-use crate::charts::{self, Figure};
+use crate::plot::{Figure, self};
 use crate::report::html::{Section, escape, scrolled};
 use crate::report::player::{self, Packed};
 use crate::report::run::Run;

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::style::{Style, speeds};
 use super::{hidden, legend, point};
-use crate::scene::outputs::Colour;
+use siloflow::scene::outputs::Colour;
 use siloflow_dem::space::{Solid, Vector};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_files::frames::{Frame, Header};

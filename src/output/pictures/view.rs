@@ -1,6 +1,6 @@
 //! The view of the pictures: lower left and upper right corner, m, in the axes of the [`Camera`].
 
-use crate::scene::camera::Camera;
+use siloflow_results::pictures::camera::Camera;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
 use siloflow_dem::space::{Dimension, Linear as _, Plane, Solid, Space, Vector};
