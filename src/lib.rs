@@ -37,9 +37,7 @@
 
 pub mod assembly;
 pub mod behaviour;
-pub mod charts;
 pub mod cli;
-pub mod compare;
 pub mod door;
 pub mod ending;
 pub mod energy;
@@ -51,7 +49,6 @@ pub mod measure;
 pub mod output;
 pub mod plugins;
 pub mod random;
-pub mod report;
 pub mod rest;
 pub mod scene;
 pub mod simulation;
@@ -66,6 +63,8 @@ pub use siloflow_figures as figures;
 pub use siloflow_files as files;
 #[doc(inline)]
 pub use siloflow_lattice as lattice;
+#[doc(inline)]
+pub use siloflow_results as results;
 #[doc(inline)]
 pub use siloflow_text as text;
 

@@ -12,11 +12,12 @@ use crate::cli::run::{default_directory, run_into};
 use crate::cli::run_path::Call;
 use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, check_results, picture_files, refused, say, write_results};
-use siloflow_results::compare::report::Report;
-use siloflow_results::compare::{Run, compare as compare_runs, pictures, read};
+use crate::scene::facts;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use siloflow_files::run_directory::RunDirectory;
+use siloflow_results::compare::report::Report;
+use siloflow_results::compare::{Run, compare as compare_runs, pictures, read};
 use siloflow_text::fault::Fault;
 
 /// Arguments of `compare`.
@@ -67,7 +68,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     }
     let mut runs: Vec<Option<Run>> = Vec::new();
     for ((directory, scene), name) in directories.iter().zip(&scenes).zip(&names) {
-        runs.push(if scene.is_none() { Some(read::run(directory, name)?) } else { None });
+        runs.push(if scene.is_none() { Some(read::run(directory, name, &facts::read_outline)?) } else { None });
     }
     check_results(&args.out)?;
     let signals = Signals::catch();
@@ -93,7 +94,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
             tracing::error!("{name} did not end as it should: nothing was compared");
             return Ok(verdict);
         }
-        match read::run(directory, name) {
+        match read::run(directory, name, &facts::read_outline) {
             Ok(read) => *run = Some(read),
             Err(fault) => return refused(fault, has_run),
         }

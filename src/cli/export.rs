@@ -9,15 +9,16 @@ use clap::builder::PossibleValuesParser;
 use crate::cli::exit_status::Verdict;
 use crate::cli::export_scene::{self, LAMMPS};
 use crate::cli::{SceneArgs, help_to_write, say, setting};
-use siloflow_results::export::{Target, self};
-use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
+use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use siloflow_results::export::Format;
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::reader::FrameReader;
+use siloflow_files::frames::reader::OF_UNKNOWN_SCENE;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
+use siloflow_results::export::Format;
+use siloflow_results::export::{self, Target};
 use siloflow_text::fault::Fault;
 
 /// Arguments of `export`.
@@ -101,7 +102,7 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
     let columns = FrameReader::open_within(&path, most).and_then(Columns::of).map_err(unreadable)?;
     let reader = FrameReader::open_within(&path, most).map_err(unreadable)?;
     let header = reader.header.clone();
-    let count = frame_export::export(format, &header, &columns, reader, &args.run, &target).map_err(|error| {
+    let count = export::export(format, &header, &columns, reader, &args.run, &target).map_err(|error| {
         if error.kind() == ErrorKind::InvalidData {
             return Fault::new("export::read", format!("could not read {}: {error}", path.display()))
                 .help("nothing was written; the file has been changed since the run: run its scene.ron again");

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use siloflow_results::run_results::RunResults;
-use siloflow_results::plot::{Figure, self};
 use crate::cli::exit_status::Verdict;
 use crate::cli::{check_results, picture_files, say, write_results};
+use siloflow_results::plot::{self, Figure};
+use siloflow_results::run_results::RunResults;
 use siloflow_text::fault::Fault;
 use siloflow_text::source::parse::closest;
 
@@ -35,8 +35,8 @@ pub(super) struct PlotArgs {
 }
 
 pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
-    let mut runs = args.runs.iter().map(|run| RunFiles::open(run)).collect::<Result<Vec<_>, _>>()?;
-    RunFiles::distinguish(&mut runs.iter_mut().collect::<Vec<_>>());
+    let mut runs = args.runs.iter().map(|run| RunResults::open(run)).collect::<Result<Vec<_>, _>>()?;
+    RunResults::distinguish(&mut runs.iter_mut().collect::<Vec<_>>());
     let runs: Vec<_> = runs.iter().collect();
     let directory = match (&args.out, &runs[..]) {
         (Some(out), _) => out.clone(),
@@ -47,7 +47,7 @@ pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
         }
     };
     let figures = match &args.what[..] {
-        [] => charts::figures(&runs)?,
+        [] => plot::figures(&runs)?,
         names => names.iter().map(|name| named(&runs, name)).collect::<Result<_, _>>()?,
     };
     let mut files = Vec::new();
@@ -70,13 +70,13 @@ pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
 }
 
 /// Returns the figure of this name.
-fn named(runs: &[&RunFiles], name: &str) -> Result<Figure, Fault> {
-    if let Some(figure) = charts::named(runs, name)? {
+fn named(runs: &[&RunResults], name: &str) -> Result<Figure, Fault> {
+    if let Some(figure) = plot::named(runs, name)? {
         return Ok(figure);
     }
-    let is_known = charts::names().any(|known| known == name);
+    let is_known = plot::names().any(|known| known == name);
     let columns = runs.iter().flat_map(|run| run.series.names());
-    let mut known: Vec<&str> = charts::names().map(|name| -> &str { name }).chain(columns).collect();
+    let mut known: Vec<&str> = plot::names().map(|name| -> &str { name }).chain(columns).collect();
     known.sort_unstable();
     known.dedup();
     Err(if is_known {

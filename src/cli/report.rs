@@ -9,10 +9,11 @@ use clap::Args;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::say;
-use siloflow_results::report;
+use crate::scene::facts;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::report_of;
 use siloflow_files::whole_file;
+use siloflow_results::report;
 use siloflow_text::fault::Fault;
 
 /// Where the report of several runs is written.
@@ -51,7 +52,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<Verdict, Fault> {
     };
     // A missing run is the more helpful message, so that the target is examined after the runs.
     let runs: Vec<&Path> = args.runs.iter().map(PathBuf::as_path).collect();
-    let page = report::page(&runs)?;
+    let page = report::page(&runs, &facts::read)?;
     check_target(&target, args.force)?;
     write(&target, &page, args.out.is_none())?;
     say(&format!("{}\n", target.display()));

@@ -27,7 +27,7 @@ use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
 use crate::output::parent::Parent;
 use crate::output::summary::Cost;
-use siloflow_results::report;
+use crate::scene::facts;
 use crate::simulation::Simulation;
 use crate::writers::provenance::Provenance;
 use siloflow_dem::outcome::{End, Failure};
@@ -37,6 +37,7 @@ use siloflow_files::hashes::{self, SummaryFiles};
 use siloflow_files::run_directory::{RunDirectory, report_of};
 use siloflow_files::run_files::Damage;
 use siloflow_files::whole_file;
+use siloflow_results::report;
 use siloflow_text::fault::Fault;
 use siloflow_text::source::Source;
 
@@ -235,7 +236,7 @@ fn finish<M: Method>(
 /// Writes the report of a run that is over, and returns its path.
 fn write_report(directory: &RunDirectory) -> Result<PathBuf, Fault> {
     let path = report_of(directory.path());
-    let page = report::page(&[directory.path()])?;
+    let page = report::page(&[directory.path()], &facts::read)?;
     let written =
         directory.guard()().and_then(|()| whole_file::write_synced(&path, |file| file.write_all(page.as_bytes())));
     written.map(|()| path.clone()).map_err(|error| {

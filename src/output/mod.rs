@@ -4,7 +4,6 @@ pub mod checkpoint;
 pub mod cost;
 pub mod fields;
 pub mod flow;
-pub mod frame_export;
 pub mod frame_recording;
 pub mod losses;
 pub mod outflow;

@@ -8,15 +8,15 @@
 
 use crate::grains::feed::Feed;
 use crate::measure::fields::Layout;
+use crate::output::pictures::view;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
-use siloflow_results::export::Format;
-use crate::output::pictures::view;
 use crate::writers::volume::Output;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::values::Positive;
 use siloflow_figures::svg;
+use siloflow_results::export::Format;
 
 /// Memory of a grain, B.
 pub const BYTES_PER_GRAIN: f64 = 1000.0;

@@ -34,9 +34,6 @@ const OF_SITE: u64 = 64;
 /// Bytes of the state of behaviours over the bytes of a file.
 pub const OF_BEHAVIOURS: u64 = 16;
 
-/// The limit for frames of a run whose scene cannot be loaded: those of about a million grains.
-pub const OF_UNKNOWN_SCENE: u64 = 256 << 20;
-
 /// Returns the most bytes that the state of a scene or one of its frames takes.
 #[must_use]
 pub fn most_bytes(scene: &AnyScene) -> u64 {

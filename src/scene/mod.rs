@@ -4,16 +4,15 @@
 //! SI units. The type of a number enforces its range ([`values`](siloflow_dem::values)). Rules between keys are in [`rules`]. The
 //! byte range of each key, for messages and for `--set`, comes from [`source`](siloflow_text::source).
 
-pub mod camera;
 pub mod check;
 pub mod expected;
 pub mod extent;
+pub mod facts;
 pub mod load;
 pub mod loaded;
 pub mod outputs;
 pub mod rules;
 pub mod shipped;
-pub mod view;
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;

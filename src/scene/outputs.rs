@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use siloflow_results::pictures::camera::Direction;
 use siloflow_dem::values::{Finite, FiniteVector, Positive};
+use siloflow_results::export::Format;
+use siloflow_results::pictures::camera::Direction;
 
 /// The scene's `pictures`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -81,33 +82,6 @@ pub struct DataFrames {
 impl Default for DataFrames {
     fn default() -> Self {
         Self { interval: None, contacts: true, walls: true, format: Vec::new() }
-    }
-}
-
-/// A format of another program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Format {
-    /// VTK XML PolyData, for ParaView.
-    Vtk,
-    /// Extended XYZ, for OVITO and ASE.
-    ExtXyz,
-    /// A dump of LAMMPS, for OVITO.
-    LammpsDump,
-}
-
-impl Format {
-    /// All formats with the names that the command line has for them.
-    pub const ALL: [(&'static str, Self); 3] =
-        [("vtk", Self::Vtk), ("extxyz", Self::ExtXyz), ("dump", Self::LammpsDump)];
-
-    /// Returns the default name in a run directory.
-    #[must_use]
-    pub fn file_name(self) -> &'static str {
-        match self {
-            Self::Vtk => "vtk",
-            Self::ExtXyz => "frames.xyz",
-            Self::LammpsDump => "frames.dump",
-        }
     }
 }
 

@@ -13,7 +13,7 @@ use siloflow_text::file;
 
 /// A run directory, of a run that ended, goes on or was killed.
 #[derive(Clone, Debug)]
-pub struct RunFiles {
+pub struct RunResults {
     /// The directory.
     pub directory: PathBuf,
     /// Name in legends.
@@ -24,7 +24,7 @@ pub struct RunFiles {
     pub series: Table,
 }
 
-impl RunFiles {
+impl RunResults {
     /// Opens the run in `directory`.
     ///
     /// # Errors

@@ -15,8 +15,7 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
 use crate::cli::{help_to_write, say};
-use siloflow_results::pictures;
-use siloflow_results::pictures::style::Style;
+use crate::output::pictures::style::style;
 use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
@@ -31,6 +30,8 @@ use siloflow_files::run_directory::{
     Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
 };
 use siloflow_files::whole_file;
+use siloflow_results::pictures;
+use siloflow_results::pictures::style::Style;
 use siloflow_text::fault::Fault;
 
 /// Space of a movie on a slide, px.
@@ -80,7 +81,7 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdi
             .help("the run was killed before its first frame: run its scene.ron again"));
     }
     pictures.colour = wanted.colour(survey.range(&selected));
-    let style = sized(Style::of(&loaded, &pictures), args, &header);
+    let style = sized(style(&loaded, &pictures), args, &header);
     check(&style, &survey.columns, &loaded)?;
     let decimals = decimals(&survey.times, style.decimals);
     let Survey { times, columns, .. } = survey;

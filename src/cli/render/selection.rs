@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::io;
 
 use super::RenderArgs;
-use siloflow_results::pictures::style::speeds;
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::{Frame, Header};
+use siloflow_results::pictures::style::speeds;
 
 /// Most frames of a movie without `--every`.
 const MOVIE_FRAMES: usize = 200;

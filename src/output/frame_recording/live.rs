@@ -6,8 +6,6 @@
 use std::io;
 use std::path::Path;
 
-use super::{dump, vtk, xyz};
-use siloflow_results::export::Format;
 use siloflow_dem::persist::Problem;
 use siloflow_files::disk;
 use siloflow_files::frames::{Frame, Header};
@@ -15,6 +13,8 @@ use siloflow_files::growing::Growing;
 use siloflow_files::growing::OutputPlace;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::Guard;
+use siloflow_results::export::Format;
+use siloflow_results::export::{dump, vtk, xyz};
 
 /// The formats of a run.
 pub struct LiveFormats {

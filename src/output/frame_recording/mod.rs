@@ -10,6 +10,7 @@
 //! [`survey::view`](siloflow_dem::survey::view). The pressure of a particle is the sum of its elastic contact forces over its circumference, or in solid space over its surface.
 
 pub mod geometry;
+pub mod live;
 mod pressure;
 mod species;
 pub mod writer;

@@ -3,6 +3,12 @@
 //! A picture is drawn by the thread that writes it, from the frame of the same step that goes into `frames.bin`. If there is no
 //! such frame, or it lacks the contacts or walls of the picture, a frame is made for the picture.
 
+pub mod style;
+pub mod view;
+
+#[cfg(test)]
+mod tests;
+
 use std::marker::PhantomData;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,8 +16,6 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use super::draw;
-use super::style::Style;
 use crate::measure::outputs;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::output::frame_recording::{self, Content, FramesRecorded, Observed, Recording};
@@ -23,6 +27,8 @@ use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::space::Space;
 use siloflow_dem::step::Step;
 use siloflow_files::frames::Header;
+use siloflow_results::pictures::draw;
+use siloflow_results::pictures::style::Style;
 use siloflow_text::fault::Fault;
 
 /// Draws the pictures of a run.
@@ -55,8 +61,8 @@ impl<V: Space> PicturesPlugin<V> {
         let Some(pictures) = loaded.scene.pictures.clone() else { return Ok(None) };
         let header = frame_recording::header::<V>(loaded, &DataFrames::default(), world);
         check_colour(loaded, &pictures.colour, &header)?;
-        let style = Style::of(loaded, &pictures);
-        let is_measured = matches!(style.colour, Colour::Pressure(_) | Colour::Column(..));
+        let style = self::style::style(loaded, &pictures);
+        let is_measured = matches!(pictures.colour, Colour::Pressure(_) | Colour::Column(..));
         let content = Content::new(&header, style.network.is_some(), true, is_measured);
         let drawing = Drawing { header: Arc::new(header), style: Arc::new(style), content };
         // Where frames are recorded at the same times, they compute the columns of behaviours.

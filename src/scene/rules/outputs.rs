@@ -1,6 +1,5 @@
 //! Rules on what a run writes: the size of pictures, and how often it writes rows and pictures.
 
-use siloflow_results::pictures::camera::Direction;
 use crate::scene::expected;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
@@ -9,6 +8,7 @@ use siloflow_dem::space::Dimension;
 use siloflow_dem::values::Positive;
 use siloflow_dem::walls::config::Wall;
 use siloflow_figures::png::{MOST_PIXELS, MOST_SHAPES};
+use siloflow_results::pictures::camera::Direction;
 use siloflow_text::fault::Fault;
 
 /// Most bins of all profiles, each counted for every species: their sums take about 100 B a bin.

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use siloflow_results::run_results::RunResults;
 use crate::studies::sweep::directory::SweepDirectory;
 use crate::studies::sweep::figures::{figure, is_failure};
 use crate::studies::sweep::{Sweep, Task};
 use siloflow_figures::statistics::points::{between, slope};
 use siloflow_files::table::Table;
+use siloflow_results::run_results::RunResults;
 use siloflow_text::fault::Fault;
 
 /// A run that is over.
@@ -19,7 +19,7 @@ pub struct Run {
     /// Seed.
     pub seed: u64,
     /// Its run directory, with `summary.json` and `series.csv`.
-    pub files: RunFiles,
+    pub files: RunResults,
 }
 
 impl Run {
@@ -94,7 +94,7 @@ impl Studies {
         let mut runs = Vec::new();
         let mut failed = Vec::new();
         for task in sweep.tasks() {
-            let files = RunFiles::open(&directory.run(sweep, task))?;
+            let files = RunResults::open(&directory.run(sweep, task))?;
             let keys = sweep.keys.iter().cloned();
             let values = keys.zip(sweep.points[task.point].values.iter().cloned()).collect();
             let run = Run { values, seed: task.seed, files };

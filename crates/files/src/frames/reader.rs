@@ -12,6 +12,9 @@ use super::{Frame, Header, check, codec};
 use crate::fnv::Fnv;
 use crate::own_files;
 
+/// The limit for frames of a run whose scene cannot be loaded: those of about a million grains.
+pub const OF_UNKNOWN_SCENE: u64 = 256 << 20;
+
 /// Most bytes of a record that [`FrameReader::open`] unpacks: a frame of the largest scene.
 const LARGEST: u64 = 8 << 30;
 

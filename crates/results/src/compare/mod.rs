@@ -20,8 +20,7 @@ pub mod report;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::compare::report::{FieldFigures, Report, Row};
-use siloflow_dem::space::Vector;
-use siloflow_dem::walls::silo_file::Disc;
+use crate::scene_facts::Outline;
 use siloflow_text::fault::Fault;
 
 /// The flow of a run, as read from its run directory.
@@ -37,10 +36,8 @@ pub struct Run {
     pub time_unit: &'static str,
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Wall grains, for pictures.
-    pub walls: Vec<Disc>,
-    /// Edges of the silo as pairs of ends (m), for pictures.
-    pub lines: Vec<(Vector, Vector)>,
+    /// The silo, for pictures.
+    pub outline: Outline,
 }
 
 /// Compares each run with the reference, over cells in which both counted at least `looks` grains.
@@ -103,26 +100,24 @@ fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, F
 #[expect(clippy::float_cmp, reason = "exact values")]
 pub(crate) mod tests {
     use super::*;
-    use siloflow::measure::flow::FlowField;
+    use siloflow_files::flow_means::FlowMeans;
 
     /// Returns a run with the downward speed `down(x, y)` over 4 x 4 cells and the discharge 1 - exp(-t/`time`).
     pub(crate) fn run(name: &str, time: f64, down: impl Fn(f64, f64) -> f64) -> Run {
-        let mut field = FlowField::new(0.5);
-        for k in 0..16u8 {
+        let cell = |k: u8| {
             let x = 0.5 * f64::from(k % 4) + 0.25;
             let y = 0.5 * f64::from(k / 4) + 0.25;
-            (0..100).for_each(|_| field.add(x, y, 1.0, 0.0, -down(x, y)));
-        }
-        field.end_sample();
+            FlowMeans { x, y, samples: 1, count: 100.0, vx: 0.0, vy: -down(x, y) }
+        };
+        let means: Vec<_> = (0..16).map(cell).collect();
         let times = (0..200u8).map(|n| 0.05 * f64::from(n) * time);
         Run {
             name: name.to_owned(),
-            field: Field::new(&field.means()),
+            field: Field::new(&means),
             discharge: Curve::new(times.map(|t| (t, 1.0 - (-t / time).exp()))),
             time_unit: "s",
             wall_s: time,
-            walls: Vec::new(),
-            lines: Vec::new(),
+            outline: Outline::default(),
         }
     }
 

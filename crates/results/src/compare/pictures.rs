@@ -3,7 +3,7 @@
 use crate::compare::Run;
 use crate::compare::field::{Cell, Field};
 use crate::compare::report::{FieldFigures, Report, Row};
-use siloflow_dem::space::Vector;
+use glam::DVec2;
 use siloflow_figures::colour::{WALL, viridis};
 use siloflow_figures::diagram::{Axis, Curve, colour, figure};
 use siloflow_figures::svg::{Legend, Picture};
@@ -38,35 +38,35 @@ const PANEL: f64 = 320.0;
 /// Draws the vertical velocity over its mean for every run, with equal length scale and equal colour scale; `None` without a run.
 fn fields(panels: &[Panel], looks: f64) -> Option<String> {
     let side = panels.first()?.field.side;
-    let corner = |[row, column]: [i64; 2]| side * Vector::new(to_f64(column), to_f64(row));
+    let corner = |[row, column]: [i64; 2]| side * DVec2::new(to_f64(column), to_f64(row));
     let (low, high) = bounds(panels, looks, side);
-    let step = Vector::new(1.15 * (high.x - low.x), 0.0);
+    let step = DVec2::new(1.15 * (high.x - low.x), 0.0);
     let all = f64::from(u32::try_from(panels.len()).unwrap_or(1)) * step;
     // The names above have a size in proportion to the total width.
     let margin = 0.07 * (high.x - low.x);
-    let above = Vector::new(0.0, 0.08 * all.x);
+    let above = DVec2::new(0.0, 0.08 * all.x);
     let top = top(panels, looks);
     let mut picture = Picture {
-        low: low - Vector::splat(margin),
-        high: Vector::new(low.x - margin + all.x, high.y) + above,
+        low: low - DVec2::splat(margin),
+        high: DVec2::new(low.x - margin + all.x, high.y) + above,
         // Header and legend are side by side, so the width is at least two panels.
         width: (PANEL * all.x / step.x).max(2.0 * PANEL),
         header: vec![format!("cells of {side} m; yellow: {top} and more")],
         legend: Legend::Scale { from: 0.0, to: top, title: "downward speed/its mean".to_owned(), map: viridis },
         ..Picture::default()
     };
-    let mut offset = Vector::ZERO;
+    let mut offset = DVec2::ZERO;
     // Names alternate between two heights, because they may be wider than their panels.
     let rows = [0.2, 0.65].into_iter().cycle();
     for (Panel { run, field, figures }, height) in panels.iter().zip(rows) {
         let square = |(key, cell): ([i64; 2], Cell)| {
             let low = corner(key) + offset;
-            (viridis(cell.down / figures.mean_speed / top), vec![(low, low + Vector::splat(side))])
+            (viridis(cell.down / figures.mean_speed / top), vec![(low, low + DVec2::splat(side))])
         };
         picture.cells.extend(field.seen(looks).map(square));
-        picture.lines.extend(run.lines.iter().map(|&(from, to)| (from + offset, to + offset, WALL)));
-        picture.discs.extend(run.walls.iter().map(|disc| (disc.centre + offset, disc.radius, WALL)));
-        let name = Vector::new(0.5 * (low.x + high.x), high.y) + height * above + offset;
+        picture.lines.extend(run.outline.lines.iter().map(|&(from, to)| (from + offset, to + offset, WALL)));
+        picture.discs.extend(run.outline.discs.iter().map(|disc| (disc.centre + offset, disc.radius, WALL)));
+        let name = DVec2::new(0.5 * (low.x + high.x), high.y) + height * above + offset;
         picture.labels.push((name, run.name.clone()));
         offset += step;
     }
@@ -74,14 +74,14 @@ fn fields(panels: &[Panel], looks: f64) -> Option<String> {
 }
 
 /// Returns the lower left and upper right corner of the box around all cells and wall grains, m.
-fn bounds(panels: &[Panel], looks: f64, side: f64) -> (Vector, Vector) {
+fn bounds(panels: &[Panel], looks: f64, side: f64) -> (DVec2, DVec2) {
     let cells = panels.iter().flat_map(|panel| panel.field.seen(looks)).map(|([row, column], _)| {
-        let corner = side * Vector::new(to_f64(column), to_f64(row));
-        (corner, corner + Vector::splat(side))
+        let corner = side * DVec2::new(to_f64(column), to_f64(row));
+        (corner, corner + DVec2::splat(side))
     });
-    let discs = panels.iter().flat_map(|panel| &panel.run.walls);
-    let discs = discs.map(|disc| (disc.centre - Vector::splat(disc.radius), disc.centre + Vector::splat(disc.radius)));
-    cells.chain(discs).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((Vector::ZERO, Vector::ONE))
+    let discs = panels.iter().flat_map(|panel| &panel.run.outline.discs);
+    let discs = discs.map(|disc| (disc.centre - DVec2::splat(disc.radius), disc.centre + DVec2::splat(disc.radius)));
+    cells.chain(discs).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((DVec2::ZERO, DVec2::ONE))
 }
 
 #[expect(clippy::cast_precision_loss, reason = "cells are far below 2^53")]

@@ -4,8 +4,7 @@
 //!   opened, `door_open_time_s` (s) or `door_open_step`. If the latter is `null` or absent, the silo was open from the
 //!   start.
 //! * `series.csv`: `out` as a function of `time_s` or `step`.
-//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`. LAMMPS writes none
-//!   ([`siloflow::lammps`]).
+//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`. LAMMPS writes none.
 //! * `scene.ron`: wall grains, for pictures; optional.
 
 use std::path::Path;
@@ -15,10 +14,7 @@ use serde_json::Value;
 use crate::compare::Run;
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
-use siloflow::scene::load;
-use siloflow::scene::loaded::AnyScene;
-use siloflow_dem::space::Vector;
-use siloflow_dem::walls::silo_file::Disc;
+use crate::scene_facts::ReadOutline;
 use siloflow_files::flow_means::FlowMeans;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::{Depth, refuse_odd};
@@ -30,11 +26,11 @@ use siloflow_text::file;
 const NO_FLOW: &str = "give its scene the key `flow`, for example `flow: (cell: 0.05, sample: 0.02)`, m and s (of a lattice gas `sample: 5.0`, steps), \
      and run it again";
 
-/// Reads the run in `directory` and gives it the name `name`.
+/// Reads the run in `directory` and gives it the name `name`. `outline_of` reads the outline of its scene.
 ///
 /// # Errors
 /// If a file is missing or malformed. The fault names the file and suggests a remedy.
-pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
+pub fn run(directory: &Path, name: &str, outline_of: ReadOutline) -> Result<Run, Fault> {
     if !directory.is_dir() {
         return Err(Fault::new("compare::no_run", format!("there is no run directory {}", directory.display()))
             .help("give run directories such as out/silo2d, or scenes (.ron) to be run first"));
@@ -58,25 +54,14 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     let opened = number(&["door_open_time_s"]).or(number(&["door_open_step"])).unwrap_or(0.0);
     let released = number(&["grains", "released"]).or(number(&["particles", "entered"]));
     let has_field = summary.get("program").is_none_or(|program| program != "LAMMPS");
-    // If the scene cannot be read, pictures show no walls.
-    let (walls, lines) = load::any(&directory.join("scene.ron"), &[]).map(|scene| outlines(&scene)).unwrap_or_default();
     Ok(Run {
         name: name.to_owned(),
         field: has_field.then(|| field(&directory.join("flow.csv"))).transpose()?,
         discharge: Curve::of_rows(&rows, needed(released, "grains.released or particles.entered")?, opened),
         time_unit,
         wall_s: needed(number(&["performance", "wall_s"]), "performance.wall_s")?,
-        walls,
-        lines,
+        outline: outline_of(&directory.join("scene.ron")),
     })
-}
-
-/// Returns the wall grains and the edges (m) of a scene's silo.
-fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
-    match scene {
-        AnyScene::Grains(loaded) => (loaded.wall_discs(), Vec::new()),
-        AnyScene::Lattice(loaded) => (Vec::new(), loaded.sites.lines().to_vec()),
-    }
 }
 
 fn summary(path: &Path) -> Result<Value, Fault> {
@@ -116,6 +101,7 @@ fn field(path: &Path) -> Result<Field, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene_facts::Outline;
 
     fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
         let here = tempfile::tempdir().unwrap();
@@ -135,7 +121,7 @@ mod tests {
 
     #[test]
     fn run_directory_of_a_lattice_gas_is_read_in_steps() {
-        let run = run(directory(&[SUMMARY, SERIES, FLOW]).path(), "lattice").unwrap();
+        let run = run(directory(&[SUMMARY, SERIES, FLOW]).path(), "lattice", &|_| Outline::default()).unwrap();
         assert_eq!((run.time_unit, run.wall_s), ("step", 0.5));
         assert_eq!(run.discharge.points(), [(0.0, 0.0), (2.0, 0.5), (4.0, 1.0)]);
         let cells: Vec<_> = run.field.unwrap().seen(0.0).map(|(key, cell)| (key, cell.looks, cell.down)).collect();
@@ -146,14 +132,15 @@ mod tests {
     fn a_run_of_lammps_has_no_field() {
         let summary = r#"{"program": "LAMMPS", "grains": {"released": 8}, "door_open_time_s": 2, "performance": {"wall_s": 0.5}}"#;
         let series = ("series.csv", "time_s,out\n0,0\n2,0\n4,4\n6,8\n");
-        let run = run(directory(&[("summary.json", summary), series]).path(), "lammps").unwrap();
+        let run =
+            run(directory(&[("summary.json", summary), series]).path(), "lammps", &|_| Outline::default()).unwrap();
         assert!(run.field.is_none() && run.time_unit == "s");
         assert_eq!(run.discharge.points(), [(0.0, 0.0), (2.0, 0.5), (4.0, 1.0)]);
     }
 
     #[test]
     fn missing_or_malformed_files_are_named() {
-        let code = |files: &[(&str, &str)]| run(directory(files).path(), "run").unwrap_err();
+        let code = |files: &[(&str, &str)]| run(directory(files).path(), "run", &|_| Outline::default()).unwrap_err();
         assert_eq!(code(&[SERIES, FLOW]).code(), "compare::no_summary");
         let fault = code(&[SUMMARY, SERIES]);
         assert!(fault.to_string().contains("flow.csv"), "{fault}");

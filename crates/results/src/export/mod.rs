@@ -15,7 +15,6 @@
 pub mod csv;
 pub mod dump;
 pub mod flat;
-pub mod live;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod vtk;
@@ -25,12 +24,40 @@ pub mod xyz;
 use std::io;
 use std::path::Path;
 
-use crate::export::Format;
+use serde::{Deserialize, Serialize};
+
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::{Column, Frame, Header, Table, Values};
 use siloflow_files::run_directory::PartDirectory;
 use siloflow_files::run_files::RunFiles;
 use siloflow_files::whole_file;
+
+/// A format of another program that can also be written during a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Format {
+    /// VTK XML PolyData, for ParaView.
+    Vtk,
+    /// Extended XYZ, for OVITO and ASE.
+    ExtXyz,
+    /// A dump of LAMMPS, for OVITO.
+    LammpsDump,
+}
+
+impl Format {
+    /// All formats with the names that the command line has for them.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("vtk", Self::Vtk), ("extxyz", Self::ExtXyz), ("dump", Self::LammpsDump)];
+
+    /// Returns the default name in a run directory.
+    #[must_use]
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Vtk => "vtk",
+            Self::ExtXyz => "frames.xyz",
+            Self::LammpsDump => "frames.dump",
+        }
+    }
+}
 
 /// A format that frames are converted to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,7 +25,8 @@ use siloflow_files::whole_file;
 
 /// A directory of frames that grows.
 #[derive(Debug)]
-pub(super) struct Directory {
+pub struct Directory {
+    /// Where the directory is.
     pub path: PathBuf,
     /// Number of frames so far.
     count: u64,

@@ -4,7 +4,7 @@
 use super::grains::Grains;
 use super::point;
 use super::style::Style;
-use siloflow_dem::space::{Solid, Vector};
+use glam::{DVec2, DVec3};
 use siloflow_figures::colour::Rgb;
 use siloflow_files::frames::{Frame, Header, Table};
 
@@ -15,7 +15,7 @@ pub(super) const COLOURS: [Rgb; 2] = [[0x1a, 0x1a, 0x1a], [0xf0, 0x6c, 0x00]];
 #[derive(Default)]
 pub(super) struct Bonds {
     /// Ends, m, width, m, and colour.
-    pub shapes: Vec<(Vector, Vector, f64, Rgb)>,
+    pub shapes: Vec<(DVec2, DVec2, f64, Rgb)>,
     /// Whether there are sticking and sliding contacts among them.
     pub kinds: [bool; 2],
 }
@@ -23,7 +23,7 @@ pub(super) struct Bonds {
 pub(super) fn of(header: &Header, frame: &Frame, style: &Style, grains: &Grains) -> Bonds {
     let mut bonds = Bonds::default();
     let Some(full) = style.network else { return bonds };
-    let mut add = |from: Solid, to: Solid, force: f64, is_sliding: bool| {
+    let mut add = |from: DVec3, to: DVec3, force: f64, is_sliding: bool| {
         let ends = [from, to].map(|end| style.camera.on_paper(end));
         let (low, high) = style.view;
         let is_in_view = ends[0].max(ends[1]).cmpge(low).all() && ends[0].min(ends[1]).cmple(high).all();
@@ -67,7 +67,7 @@ fn each(table: &Table, partner: &str, mut visit: impl FnMut(usize, i64, i64, f64
 }
 
 /// Returns the shortest of all images of a separation, m.
-fn nearest_image(header: &Header, mut separation: Solid) -> Solid {
+fn nearest_image(header: &Header, mut separation: DVec3) -> DVec3 {
     for (axis, side) in header.periodic.iter().enumerate() {
         if let Some((low, high)) = side {
             let length = high - low;

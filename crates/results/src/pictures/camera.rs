@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use siloflow_dem::space::{Dimension, Solid, Vector};
+use glam::{DVec2, DVec3};
 
 /// The scene's `pictures.direction`: where the observer looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -73,16 +73,16 @@ impl Direction {
         length.is_finite() && length > 0.0
     }
 
-    fn vector(self) -> Solid {
+    fn vector(self) -> DVec3 {
         match self {
-            Self::Front => Solid::Y,
-            Self::Back => -Solid::Y,
-            Self::Left => Solid::X,
-            Self::Right => -Solid::X,
-            Self::Top => -Solid::Z,
-            Self::Bottom => Solid::Z,
-            Self::Iso => Solid::new(-1.0, 1.0, -1.0),
-            Self::Towards(x, y, z) => Solid::new(x, y, z),
+            Self::Front => DVec3::Y,
+            Self::Back => -DVec3::Y,
+            Self::Left => DVec3::X,
+            Self::Right => -DVec3::X,
+            Self::Top => -DVec3::Z,
+            Self::Bottom => DVec3::Z,
+            Self::Iso => DVec3::new(-1.0, 1.0, -1.0),
+            Self::Towards(x, y, z) => DVec3::new(x, y, z),
         }
     }
 }
@@ -91,30 +91,30 @@ impl Direction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// To the right.
-    pub right: Solid,
+    pub right: DVec3,
     /// Up.
-    pub up: Solid,
+    pub up: DVec3,
     /// Away from the observer.
-    pub depth: Solid,
+    pub depth: DVec3,
 }
 
 impl Camera {
-    /// Returns the camera of a scene in this space. The direction matters in solid space only.
+    /// The camera of a plane.
+    pub const PLANE: Self = Self { right: DVec3::X, up: DVec3::Y, depth: DVec3::NEG_Z };
+
+    /// Returns the camera that looks in this direction of solid space.
     #[must_use]
-    pub fn new(space: Dimension, direction: Direction) -> Self {
-        if space == Dimension::Plane {
-            return Self { right: Solid::X, up: Solid::Y, depth: -Solid::Z };
-        }
-        let depth = direction.vector().try_normalize().unwrap_or(Solid::Y);
-        let upright = if depth.z.abs() > 0.999 { Solid::Y } else { Solid::Z };
-        let right = depth.cross(upright).try_normalize().unwrap_or(Solid::X);
+    pub fn towards(direction: Direction) -> Self {
+        let depth = direction.vector().try_normalize().unwrap_or(DVec3::Y);
+        let upright = if depth.z.abs() > 0.999 { DVec3::Y } else { DVec3::Z };
+        let right = depth.cross(upright).try_normalize().unwrap_or(DVec3::X);
         Self { right, up: right.cross(depth), depth }
     }
 
     /// Returns the place on the picture of a point in space, m.
     #[must_use]
-    pub fn on_paper(&self, x: Solid) -> Vector {
-        Vector::new(self.right.dot(x), self.up.dot(x))
+    pub fn on_paper(&self, x: DVec3) -> DVec2 {
+        DVec2::new(self.right.dot(x), self.up.dot(x))
     }
 }
 
@@ -123,12 +123,12 @@ mod tests {
     use super::*;
 
     fn camera(direction: Direction) -> Camera {
-        Camera::new(Dimension::Solid, direction)
+        Camera::towards(direction)
     }
 
     #[test]
     fn names_show_the_axes_that_they_say() {
-        let x = Solid::new(1.0, 2.0, 3.0);
+        let x = DVec3::new(1.0, 2.0, 3.0);
         for (direction, expected) in [
             (Direction::Front, (1.0, 3.0)),
             (Direction::Back, (-1.0, 3.0)),
@@ -137,9 +137,9 @@ mod tests {
             (Direction::Top, (1.0, 2.0)),
             (Direction::Bottom, (-1.0, 2.0)),
         ] {
-            assert_eq!(camera(direction).on_paper(x), Vector::from(expected), "{direction:?}");
+            assert_eq!(camera(direction).on_paper(x), DVec2::from(expected), "{direction:?}");
         }
-        assert_eq!(Camera::new(Dimension::Plane, Direction::Iso).on_paper(x), Vector::new(1.0, 2.0));
+        assert_eq!(Camera::PLANE.on_paper(x), DVec2::new(1.0, 2.0));
     }
 
     #[test]
@@ -150,7 +150,7 @@ mod tests {
                 assert!((a.dot(b) - product).abs() < 1e-12, "{direction:?}");
             }
         }
-        let [x, y, z] = [Solid::X, Solid::Y, Solid::Z].map(|axis| camera(Direction::Iso).on_paper(axis).length());
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| camera(Direction::Iso).on_paper(axis).length());
         assert!((x - y).abs() < 1e-12 && (y - z).abs() < 1e-12);
     }
 

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use siloflow_dem::space::Solid;
+use glam::DVec3;
 
 /// Cosine of the smallest angle between neighbours that is a crease. Sectors of a round wall meet at less.
 const CREASE: f64 = 0.9;
@@ -11,8 +11,8 @@ const CREASE: f64 = 0.9;
 #[derive(Clone, Debug)]
 pub(super) struct Face {
     /// Corners, m.
-    pub corners: Vec<Solid>,
-    pub normal: Solid,
+    pub corners: Vec<DVec3>,
+    pub normal: DVec3,
     /// Whether it is in front of the grains.
     pub is_front: bool,
 }
@@ -21,14 +21,14 @@ pub(super) struct Face {
 #[derive(Clone, Debug)]
 pub(super) struct Edge {
     /// Ends, m.
-    pub ends: [Solid; 2],
+    pub ends: [DVec3; 2],
     /// Whether it is in front of the grains.
     pub is_front: bool,
 }
 
 /// The properties that the faces at an edge share.
 struct Shared {
-    ends: [Solid; 2],
+    ends: [DVec3; 2],
     first: usize,
     others: Vec<(usize, bool)>,
 }
@@ -37,9 +37,9 @@ struct Shared {
 type Place = [i64; 3];
 
 /// Returns the edges that are drawn. `depth` is the direction of looking, `size` the size of the scene, m.
-pub(super) fn edges(faces: &[Face], depth: Solid, size: f64) -> Vec<Edge> {
+pub(super) fn edges(faces: &[Face], depth: DVec3, size: f64) -> Vec<Edge> {
     #[expect(clippy::cast_possible_truncation, reason = "a float of any size is clamped")]
-    let place = |x: Solid| -> Place { (x / (1e-7 * size)).to_array().map(|number| number.round() as i64) };
+    let place = |x: DVec3| -> Place { (x / (1e-7 * size)).to_array().map(|number| number.round() as i64) };
     let mut order: Vec<Shared> = Vec::new();
     let mut found: FxHashMap<(Place, Place), usize> = FxHashMap::default();
     for (number, face) in faces.iter().enumerate() {

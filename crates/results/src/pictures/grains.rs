@@ -2,10 +2,9 @@
 
 use rustc_hash::FxHashMap;
 
-use super::style::{Style, speeds};
+use super::style::{Colouring, Style, speeds};
 use super::{hidden, legend, point};
-use siloflow::scene::outputs::Colour;
-use siloflow_dem::space::{Solid, Vector};
+use glam::{DVec2, DVec3};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_files::frames::{Frame, Header};
 
@@ -19,7 +18,7 @@ pub(super) struct Grains {
 /// A grain of a frame. Lengths are in m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grain {
-    pub position: Solid,
+    pub position: DVec3,
     pub radius: f64,
     pub species: u8,
     /// 0 grain, 1 wall grain, 2 door grain.
@@ -72,15 +71,15 @@ impl Grains {
     }
 
     /// Returns the mean place of the grains, m; `None` if there is none.
-    pub fn middle(&self) -> Option<Solid> {
+    pub fn middle(&self) -> Option<DVec3> {
         let grains = || self.all.iter().filter(|grain| grain.kind == 0);
         #[expect(clippy::cast_precision_loss, reason = "a number of grains")]
         let count = grains().count() as f64;
-        (count > 0.0).then(|| grains().map(|grain| grain.position).sum::<Solid>() / count)
+        (count > 0.0).then(|| grains().map(|grain| grain.position).sum::<DVec3>() / count)
     }
 
     /// Returns the discs that can be seen, from back to front.
-    pub fn discs(&self, style: &Style, is_solid: bool) -> Vec<(Vector, f64, Rgb)> {
+    pub fn discs(&self, style: &Style, is_solid: bool) -> Vec<(DVec2, f64, Rgb)> {
         let mut shown: Vec<&Grain> = self.all.iter().filter(|grain| grain.is_shown).collect();
         // At equal depth in the order of ids.
         shown.sort_by(|a, b| b.depth.total_cmp(&a.depth));
@@ -98,7 +97,7 @@ impl Grains {
     }
 }
 
-fn is_in_view(style: &Style, centre: Vector, radius: f64) -> bool {
+fn is_in_view(style: &Style, centre: DVec2, radius: f64) -> bool {
     let (low, high) = style.view;
     (centre + radius).cmpge(low).all() && (centre - radius).cmple(high).all()
 }
@@ -107,10 +106,10 @@ fn is_in_view(style: &Style, centre: Vector, radius: f64) -> bool {
 fn shades(header: &Header, frame: &Frame, style: &Style) -> Vec<f64> {
     let Some(table) = frame.table("grains") else { return Vec::new() };
     let ((from, to), values) = match &style.colour {
-        Colour::Species => return Vec::new(),
-        Colour::Speed(top) => ((0.0, top.get()), speeds(header, frame)),
-        Colour::Pressure(top) => ((0.0, top.get()), table.numbers("pressure").unwrap_or_default()),
-        Colour::Column(name, from, to) => ((from.get(), to.get()), table.numbers(name).unwrap_or_default()),
+        Colouring::Species => return Vec::new(),
+        Colouring::Speed(top) => ((0.0, *top), speeds(header, frame)),
+        Colouring::Pressure(top) => ((0.0, *top), table.numbers("pressure").unwrap_or_default()),
+        Colouring::Column { name, from, to } => ((*from, *to), table.numbers(name).unwrap_or_default()),
     };
     values.into_iter().map(|value| (value - from) / (to - from)).collect()
 }

@@ -3,7 +3,7 @@
 //! Discs cover pixels from front to back. A disc can be seen if it covers the middle of a pixel that no disc in front of it covers,
 //! or if it is smaller than a pixel.
 
-use siloflow_dem::space::Vector;
+use glam::DVec2;
 use siloflow_figures::colour::Rgb;
 
 /// Pixels of the check for each pixel of the width: a sliver of less than half a pixel is not seen.
@@ -13,7 +13,7 @@ const FINENESS: f64 = 2.0;
 const MOST: f64 = 4000.0;
 
 /// Returns for each disc, in an order from back to front, whether it can be seen.
-pub(super) fn seen(discs: &[(Vector, f64, Rgb)], (low, high): (Vector, Vector), width: f64) -> Vec<bool> {
+pub(super) fn seen(discs: &[(DVec2, f64, Rgb)], (low, high): (DVec2, DVec2), width: f64) -> Vec<bool> {
     let size = high - low;
     let scale = (FINENESS * width).min(MOST) / size.x;
     let scale = scale.min(MOST / size.y);
@@ -30,7 +30,7 @@ pub(super) fn seen(discs: &[(Vector, f64, Rgb)], (low, high): (Vector, Vector), 
 }
 
 /// Covers the pixels whose middles lie in a disc. Returns whether one of them was not covered, or there is no such pixel.
-fn cover(is_covered: &mut [bool], columns: usize, centre: Vector, radius: f64) -> bool {
+fn cover(is_covered: &mut [bool], columns: usize, centre: DVec2, radius: f64) -> bool {
     let rows = is_covered.len() / columns;
     let mut has_pixels = false;
     let mut is_seen = false;
@@ -65,10 +65,10 @@ fn middles(centre: f64, reach: f64, count: usize) -> std::ops::Range<usize> {
 mod tests {
     use super::*;
 
-    const VIEW: (Vector, Vector) = (Vector::ZERO, Vector::new(10.0, 10.0));
+    const VIEW: (DVec2, DVec2) = (DVec2::ZERO, DVec2::new(10.0, 10.0));
 
     fn seen_among(discs: &[(f64, f64, f64)]) -> Vec<bool> {
-        let discs: Vec<_> = discs.iter().map(|&(x, y, r)| (Vector::new(x, y), r, [0; 3])).collect();
+        let discs: Vec<_> = discs.iter().map(|&(x, y, r)| (DVec2::new(x, y), r, [0; 3])).collect();
         seen(&discs, VIEW, 200.0)
     }
 

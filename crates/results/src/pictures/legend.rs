@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
-use super::style::Style;
-use siloflow::scene::outputs::Colour;
-use siloflow_dem::space::{Solid, Vector};
+use super::style::{Colouring, Style};
+use glam::{DVec2, DVec3};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_figures::svg::Legend;
 use siloflow_files::frames::scale::Palette;
@@ -24,28 +23,28 @@ pub(super) fn legend(header: &Header, frame: &Frame, style: &Style, grains: &Gra
     let map = map(header, style);
     let scale = |from: f64, to: f64, title: String| Legend::Scale { from, to, title, map };
     match &style.colour {
-        Colour::Species => {
+        Colouring::Species => {
             let present: BTreeSet<usize> = grains.species().map(usize::from).collect();
             let named = header.species.iter().enumerate().filter(|(number, _)| present.contains(number));
             Legend::Classes(named.map(|(_, class)| class.clone()).collect())
         }
-        Colour::Speed(top) => scale(0.0, top.get(), "speed, m/s".to_owned()),
-        Colour::Pressure(top) => {
-            scale(0.0, top.get(), if header.dimension == 2 { "pressure, N/m" } else { "pressure, N/m²" }.to_owned())
+        Colouring::Speed(top) => scale(0.0, *top, "speed, m/s".to_owned()),
+        Colouring::Pressure(top) => {
+            scale(0.0, *top, if header.dimension == 2 { "pressure, N/m" } else { "pressure, N/m²" }.to_owned())
         }
-        Colour::Column(name, from, to) => {
+        Colouring::Column { name, from, to } => {
             let column = frame.table("grains").and_then(|grains| grains.column(name));
             let unit = column.map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty());
             let registered = header.columns.iter().find(|column| column.name == *name);
             let name = registered.map_or_else(|| name.replace('_', " "), |column| column.label.clone());
-            scale(from.get(), to.get(), unit.map_or(name.clone(), |unit| format!("{name}, {unit}")))
+            scale(*from, *to, unit.map_or(name.clone(), |unit| format!("{name}, {unit}")))
         }
     }
 }
 
 /// Returns the colour map: that which a behaviour suggests for its column, or viridis.
 pub(super) fn map(header: &Header, style: &Style) -> fn(f64) -> Rgb {
-    let Colour::Column(name, ..) = &style.colour else { return colour::viridis };
+    let Colouring::Column { name, .. } = &style.colour else { return colour::viridis };
     let registered = header.columns.iter().find(|column| column.name == *name).and_then(|column| column.scale);
     match registered.map(|scale| scale.palette) {
         Some(Palette::BlueRed) => colour::blue_red,
@@ -55,7 +54,7 @@ pub(super) fn map(header: &Header, style: &Style) -> fn(f64) -> Rgb {
 
 /// Returns the number of rows of the legend in any picture of the run.
 pub(super) fn rows(header: &Header, style: &Style) -> usize {
-    if style.colour == Colour::Species { header.species.len() } else { 0 }
+    if style.colour == Colouring::Species { header.species.len() } else { 0 }
 }
 
 pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
@@ -72,6 +71,6 @@ pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
     key
 }
 
-pub(super) fn axes(style: &Style) -> Vec<(&'static str, Vector)> {
-    [("x", Solid::X), ("y", Solid::Y), ("z", Solid::Z)].map(|(name, axis)| (name, style.camera.on_paper(axis))).to_vec()
+pub(super) fn axes(style: &Style) -> Vec<(&'static str, DVec2)> {
+    [("x", DVec3::X), ("y", DVec3::Y), ("z", DVec3::Z)].map(|(name, axis)| (name, style.camera.on_paper(axis))).to_vec()
 }

@@ -6,7 +6,7 @@
 //! of a number is fixed, so that pictures of a run can be compared. With `network`, each contact is drawn as a bond between the
 //! centres. The width of a bond is proportional to the normal force, and bonds of sliding contacts are orange.
 //!
-//! Solid space is drawn as an orthographic projection, from back to front: walls behind the grains, shaded spheres, walls in front
+//! DVec3 space is drawn as an orthographic projection, from back to front: walls behind the grains, shaded spheres, walls in front
 //! of the grains.
 //!
 //! | part | content |
@@ -16,11 +16,11 @@
 //! | `bonds.rs` | contact forces |
 //! | `walls.rs`, `edges.rs`, `clip.rs` | walls as lines, and as translucent surfaces with edges |
 //! | `legend.rs` | header, legend and key |
-//! | `during_run.rs` | the pictures of a run |
+//! | `camera.rs` | the axes of a picture |
 
 mod bonds;
+pub mod camera;
 mod clip;
-pub mod during_run;
 mod edges;
 mod grains;
 mod hidden;
@@ -32,7 +32,7 @@ mod walls;
 mod tests;
 
 use self::style::Style;
-use siloflow_dem::space::Solid;
+use glam::DVec3;
 use siloflow_figures::svg::{Finish, Picture};
 use siloflow_files::frames::{Frame, Header};
 
@@ -72,11 +72,11 @@ pub fn rows(header: &Header, style: &Style) -> usize {
 }
 
 /// Returns a point of a column of vectors.
-fn point(numbers: &[f64], dimension: u8, row: usize) -> Option<Solid> {
+fn point(numbers: &[f64], dimension: u8, row: usize) -> Option<DVec3> {
     let first = row.checked_mul(dimension.into())?;
     match *numbers.get(first..first + usize::from(dimension))? {
-        [x, y] => Some(Solid::new(x, y, 0.0)),
-        [x, y, z] => Some(Solid::new(x, y, z)),
+        [x, y] => Some(DVec3::new(x, y, 0.0)),
+        [x, y, z] => Some(DVec3::new(x, y, z)),
         _ => None,
     }
 }

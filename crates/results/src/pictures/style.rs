@@ -1,12 +1,31 @@
 //! The style of a picture: its quantities, its colours and its direction of looking.
 
-use crate::pictures::camera::Camera;
-use siloflow::scene::loaded::Loaded;
-use siloflow::scene::outputs::{Colour, Pictures};
-use siloflow::output::pictures::view;
-use siloflow_dem::space::{Dimension, Plane, Solid, Space, Vector};
-use siloflow_dem::walls::surfaces::Surface;
+use glam::{DVec2, DVec3};
+
 use siloflow_files::frames::{Frame, Header};
+
+use super::camera::Camera;
+
+/// The quantity that colours the grains.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Colouring {
+    /// The species.
+    #[default]
+    Species,
+    /// The speed, from 0 to this, m/s.
+    Speed(f64),
+    /// The pressure, from 0 to this, N/m, in solid space N/m^2.
+    Pressure(f64),
+    /// A column of the table `grains`.
+    Column {
+        /// Name of the column.
+        name: String,
+        /// Value with the first colour.
+        from: f64,
+        /// Value with the last colour.
+        to: f64,
+    },
+}
 
 /// Settings that all pictures of a run share. Lengths are in m.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +33,7 @@ pub struct Style {
     /// Width, px.
     pub width: f64,
     /// The quantity that colours the grains.
-    pub colour: Colour,
+    pub colour: Colouring,
     /// Force, N, whose bond is as wide as the smallest radius; `None` draws no bonds.
     pub network: Option<f64>,
     /// Direction of looking.
@@ -22,7 +41,7 @@ pub struct Style {
     /// Depth in front of which nothing is drawn, from the middle of the scene.
     pub cut: Option<f64>,
     /// Lower left and upper right corner of the view, in the axes of the camera.
-    pub view: (Vector, Vector),
+    pub view: (DVec2, DVec2),
     /// Radius of the smallest grain.
     pub smallest_radius: f64,
     /// Decimals of the time.
@@ -32,34 +51,9 @@ pub struct Style {
 }
 
 impl Style {
-    /// Returns the style of a scene's pictures. `pictures` is its section of that name, maybe changed.
-    #[must_use]
-    pub fn of(loaded: &Loaded, pictures: &Pictures) -> Self {
-        let scene = &loaded.scene;
-        let intervals = [scene.pictures.as_ref().map(|own| own.interval.get()), scene.data_frames().map(|(_, s)| s)];
-        let interval = intervals.into_iter().flatten().fold(f64::INFINITY, f64::min);
-        // Enough decimals to distinguish the times of successive pictures.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-        let decimals = (1.0 - interval.log10().floor()).clamp(2.0, 9.0) as usize;
-        Self {
-            width: pictures.width.get(),
-            colour: pictures.colour.clone(),
-            network: pictures.network.map(siloflow_dem::values::Positive::get),
-            camera: Camera::new(scene.space, pictures.direction),
-            cut: pictures.cut.map(siloflow_dem::values::Finite::get),
-            view: view::of(loaded, pictures),
-            smallest_radius: loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest),
-            decimals,
-            endless: match scene.space {
-                Dimension::Plane => endless::<Plane>(loaded),
-                Dimension::Solid => endless::<Solid>(loaded),
-            },
-        }
-    }
-
     /// Returns the depth of the cut along the direction of looking; `None` if nothing is cut.
     pub(super) fn depth_of_cut(&self, header: &Header) -> Option<f64> {
-        let [low, high] = header.domain.map(Solid::from_array);
+        let [low, high] = header.domain.map(DVec3::from_array);
         self.cut.filter(|_| header.dimension == 3).map(|cut| self.camera.depth.dot(0.5 * (low + high)) + cut)
     }
 
@@ -70,9 +64,9 @@ impl Style {
     pub fn check(&self, frame: &Frame) -> Result<(), String> {
         let Some(grains) = frame.table("grains") else { return Ok(()) };
         let name = match &self.colour {
-            Colour::Species | Colour::Speed(_) => return Ok(()),
-            Colour::Pressure(_) => "pressure",
-            Colour::Column(name, ..) => name,
+            Colouring::Species | Colouring::Speed(_) => return Ok(()),
+            Colouring::Pressure(_) => "pressure",
+            Colouring::Column { name, .. } => name,
         };
         if grains.numbers(name).is_some() {
             return Ok(());
@@ -91,10 +85,4 @@ pub fn speeds(header: &Header, frame: &Frame) -> Vec<f64> {
         .chunks(usize::from(header.dimension).max(1))
         .map(|v| v.iter().map(|component| component * component).sum::<f64>().sqrt())
         .collect()
-}
-
-fn endless<V: Space>(loaded: &Loaded) -> Vec<u32> {
-    let surfaces = loaded.surfaces::<V>();
-    let endless = surfaces.iter().filter(|wall| matches!(wall.surface, Surface::HalfPlane(_)));
-    endless.map(|wall| u32::try_from(wall.number + 1).unwrap_or(u32::MAX)).collect()
 }

@@ -1,9 +1,7 @@
-use super::style::Style;
+use super::style::{Colouring, Style};
 use super::*;
 use crate::pictures::camera::{Camera, Direction};
-use siloflow::scene::outputs::Colour;
-use siloflow_dem::space::{Dimension, Vector};
-use siloflow_dem::values::{Finite, Positive};
+use glam::DVec2;
 use siloflow_figures::svg::Legend;
 use siloflow_files::frames::{Column, FORMAT, Table, Values, WallGeometry};
 
@@ -22,14 +20,14 @@ fn header(dimension: u8) -> Header {
     }
 }
 
-fn style(dimension: Dimension, direction: Direction) -> Style {
+fn style(direction: Direction) -> Style {
     Style {
         width: 200.0,
-        colour: Colour::Species,
+        colour: Colouring::Species,
         network: None,
-        camera: Camera::new(dimension, direction),
+        camera: Camera::towards(direction),
         cut: None,
-        view: (Vector::ZERO, Vector::splat(4.0)),
+        view: (DVec2::ZERO, DVec2::splat(4.0)),
         smallest_radius: 0.5,
         decimals: 2,
         endless: Vec::new(),
@@ -70,7 +68,7 @@ fn contacts(rows: &[(i32, i32, f64, u8)]) -> Table {
 #[test]
 fn spheres_are_drawn_from_back_to_front_and_a_cut_opens_the_scene() {
     let grains = frame(&[(0, 0, &[1.0, 1.0, 1.0]), (1, 0, &[2.0, 3.0, 1.0]), (-1, 1, &[3.0, 2.5, 1.0])]);
-    let mut front = style(Dimension::Solid, Direction::Front);
+    let mut front = style(Direction::Front);
     let places = |style: &Style| draw(&header(3), &grains, style).discs.iter().map(|disc| disc.0.x).collect::<Vec<_>>();
     assert_eq!(places(&front), [2.0, 3.0, 1.0]);
     // The middle of the scene is at y = 2 m.
@@ -78,20 +76,19 @@ fn spheres_are_drawn_from_back_to_front_and_a_cut_opens_the_scene() {
     assert_eq!(places(&front), [2.0, 3.0]);
     front.cut = Some(0.7);
     assert_eq!(places(&front), [2.0]);
-    let mut back = style(Dimension::Solid, Direction::Back);
-    back.view = (Vector::new(-4.0, 0.0), Vector::new(0.0, 4.0));
+    let mut back = style(Direction::Back);
+    back.view = (DVec2::new(-4.0, 0.0), DVec2::new(0.0, 4.0));
     assert_eq!(places(&back), [-1.0, -3.0, -2.0]);
 }
 
 #[test]
 fn legend_names_what_is_there() {
-    let species = draw(&header(3), &frame(&[(0, 0, &[1.0; 3])]), &style(Dimension::Solid, Direction::Front));
+    let species = draw(&header(3), &frame(&[(0, 0, &[1.0; 3])]), &style(Direction::Front));
     let Legend::Classes(classes) = species.legend else { panic!("{:?}", species.legend) };
     assert_eq!(classes, [("large".to_owned(), [4, 5, 6])]);
     assert_eq!((species.legend_rows, species.header[2].as_str()), (2, "inside 2, out 1, lost 0 grains"));
-    let ends = [2.0, 4.0].map(|end| Finite::try_from(end).unwrap());
-    let colour = Colour::Column("heat_flow".to_owned(), ends[0], ends[1]);
-    let by_column = Style { colour, ..style(Dimension::Solid, Direction::Front) };
+    let colour = Colouring::Column { name: "heat_flow".to_owned(), from: 2.0, to: 4.0 };
+    let by_column = Style { colour, ..style(Direction::Front) };
     let picture = draw(&header(3), &frame(&[(0, 0, &[1.0; 3])]), &by_column);
     assert!(matches!(&picture.legend, Legend::Scale { from: 2.0, to: 4.0, title, .. } if title == "heat flow, m"));
     assert_eq!(picture.discs[0].2, siloflow_figures::colour::viridis(0.5));
@@ -99,22 +96,21 @@ fn legend_names_what_is_there() {
 
 #[test]
 fn a_column_that_is_not_there_is_refused_with_the_others() {
-    let ends = [0.0, 1.0].map(|end| Finite::try_from(end).unwrap());
     for name in ["heat", "position", "velocity"] {
-        let colour = Colour::Column(name.to_owned(), ends[0], ends[1]);
-        let style = Style { colour, ..style(Dimension::Solid, Direction::Front) };
+        let colour = Colouring::Column { name: name.to_owned(), from: 0.0, to: 1.0 };
+        let style = Style { colour, ..style(Direction::Front) };
         let message = style.check(&frame(&[])).unwrap_err();
         assert!(message.contains("id, kind, species, radius, heat_flow"), "{message}");
     }
-    let pressure = Colour::Pressure(Positive::try_from(1.0).unwrap());
-    assert!(Style { colour: pressure, ..style(Dimension::Solid, Direction::Front) }.check(&frame(&[])).is_err());
+    let pressure = Colouring::Pressure(1.0);
+    assert!(Style { colour: pressure, ..style(Direction::Front) }.check(&frame(&[])).is_err());
 }
 
 #[test]
 fn bonds_take_the_short_way_and_the_key_names_the_kinds_that_occur() {
     let mut all = frame(&[(0, 0, &[0.2, 1.0, 1.0]), (1, 0, &[3.4, 1.0, 1.0]), (2, 0, &[2.5, 1.0, 1.0])]);
     all.tables.push(contacts(&[(0, 1, 2.0, 0), (1, 2, 8.0, 0), (0, 2, 0.0, 0), (0, 7, 1.0, 1)]));
-    let network = Style { network: Some(4.0), ..style(Dimension::Solid, Direction::Front) };
+    let network = Style { network: Some(4.0), ..style(Direction::Front) };
     let picture = draw(&header(3), &all, &network);
     // Through the periodic side at 0 m, and at most as wide as a radius; no bond without force or partner.
     let ends: Vec<_> = picture.bonds.iter().map(|bond| (bond.0.x, bond.1.x, bond.2)).collect();
@@ -140,7 +136,7 @@ fn walls_are_behind_or_in_front_of_the_grains_and_show_their_borders() {
     let mut header = header(3);
     header.walls = vec![square(1, 0.0, [1.0, 2.0]), square(2, 4.0, [1.0, 3.0])];
     let grains = frame(&[(0, 0, &[2.0; 3])]);
-    let front = style(Dimension::Solid, Direction::Front);
+    let front = style(Direction::Front);
     let picture = draw(&header, &grains, &front);
     let area = |patches: &[siloflow_figures::svg::Patch]| {
         let polygons = patches.iter().flat_map(|patch| &patch.polygons);
@@ -156,20 +152,4 @@ fn walls_are_behind_or_in_front_of_the_grains_and_show_their_borders() {
     let picture = draw(&header, &grains, &cut);
     assert_eq!(edges(&picture.front), 0);
     assert!((picture.behind[0].polygons.len(), edges(&picture.behind)) == (2, 4));
-}
-
-#[test]
-fn a_round_wall_shows_its_rims_and_its_outline() {
-    use siloflow_dem::particle::Species;
-    use siloflow_dem::walls::shapes::revolved::Revolved;
-    use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
-    let cylinder = Revolved::between(Solid::new(2.0, 2.0, 1.0), Solid::new(2.0, 2.0, 3.0), [1.0, 1.0]);
-    let wall = SurfaceWall::still(Surface::Revolved(cylinder), Species(0));
-    let domain = [Solid::ZERO, Solid::splat(4.0)];
-    let mut header = header(3);
-    header.walls = siloflow::output::frame_recording::geometry::walls(&[wall], domain);
-    let picture = draw(&header, &frame(&[(0, 0, &[2.0; 3])]), &style(Dimension::Solid, Direction::Iso));
-    let edges = picture.front.iter().chain(&picture.behind).map(|patch| patch.edges.len()).sum::<usize>();
-    // Two rims of as many edges as there are sectors, and two lines of the outline.
-    assert_eq!(edges, 2 * siloflow::output::frame_recording::geometry::SECTORS as usize + 2);
 }

@@ -7,7 +7,7 @@
 use super::clip::{self, HalfSpace};
 use super::edges::{Face, edges};
 use super::style::Style;
-use siloflow_dem::space::{Solid, Vector};
+use glam::{DVec2, DVec3};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_figures::svg::Patch;
 use siloflow_files::frames::{Header, WallGeometry};
@@ -30,15 +30,15 @@ fn colour_of(wall: &WallGeometry) -> Rgb {
 }
 
 /// Returns the walls of a plane as lines. A line without ends goes through the whole view.
-pub(super) fn lines(walls: &[&WallGeometry], style: &Style) -> Vec<(Vector, Vector, Rgb)> {
+pub(super) fn lines(walls: &[&WallGeometry], style: &Style) -> Vec<(DVec2, DVec2, Rgb)> {
     let mut lines = Vec::new();
     for wall in walls {
-        let point = |place: u32| wall.points.get(place as usize).map(|&point| Solid::from_array(point));
+        let point = |place: u32| wall.points.get(place as usize).map(|&point| DVec3::from_array(point));
         for [from, to] in &wall.lines {
             let (Some(from), Some(to)) = (point(*from), point(*to)) else { continue };
             let [mut from, mut to] = [from, to].map(|end| style.camera.on_paper(end));
             if style.endless.contains(&wall.number) {
-                let along = (to - from).try_normalize().unwrap_or(Vector::X);
+                let along = (to - from).try_normalize().unwrap_or(DVec2::X);
                 let middle = 0.5 * (style.view.0 + style.view.1);
                 let reach = style.view.0.distance(style.view.1);
                 let foot = from + (middle - from).dot(along) * along;
@@ -51,8 +51,8 @@ pub(super) fn lines(walls: &[&WallGeometry], style: &Style) -> Vec<(Vector, Vect
 }
 
 /// Returns the walls of solid space as surfaces. `grains` is the mean place of the grains, m.
-pub(super) fn surfaces(header: &Header, walls: &[&WallGeometry], style: &Style, grains: Option<Solid>) -> Surfaces {
-    let domain = header.domain.map(Solid::from_array);
+pub(super) fn surfaces(header: &Header, walls: &[&WallGeometry], style: &Style, grains: Option<DVec3>) -> Surfaces {
+    let domain = header.domain.map(DVec3::from_array);
     let middle = grains.unwrap_or(0.5 * (domain[0] + domain[1]));
     let size = (domain[1] - domain[0]).length().max(f64::MIN_POSITIVE);
     let cut = style.depth_of_cut(header).map(|level| HalfSpace { normal: style.camera.depth, level });
@@ -83,11 +83,11 @@ fn patch_of(patches: &mut Vec<Patch>, colour: Rgb, opacity: f64) -> &mut Patch {
 }
 
 /// Returns the triangles of a wall that are shown.
-fn faces(wall: &WallGeometry, style: &Style, domain: [Solid; 2], cut: Option<HalfSpace>, grains: Solid) -> Vec<Face> {
+fn faces(wall: &WallGeometry, style: &Style, domain: [DVec3; 2], cut: Option<HalfSpace>, grains: DVec3) -> Vec<Face> {
     let is_endless = style.endless.contains(&wall.number);
     let mut faces = Vec::with_capacity(wall.triangles.len());
     for triangle in &wall.triangles {
-        let points = triangle.map(|place| wall.points.get(place as usize).map(|&point| Solid::from_array(point)));
+        let points = triangle.map(|place| wall.points.get(place as usize).map(|&point| DVec3::from_array(point)));
         let [Some(a), Some(b), Some(c)] = points else { continue };
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
         let mut corners = vec![a, b, c];
@@ -108,7 +108,7 @@ fn faces(wall: &WallGeometry, style: &Style, domain: [Solid; 2], cut: Option<Hal
 }
 
 /// Returns a polygon with its corners in anticlockwise order, so that overlaps of polygons in a path are filled.
-fn anticlockwise(mut corners: Vec<Vector>) -> Vec<Vector> {
+fn anticlockwise(mut corners: Vec<DVec2>) -> Vec<DVec2> {
     let area: f64 = (0..corners.len()).map(|n| corners[n].perp_dot(corners[(n + 1) % corners.len()])).sum();
     if area < 0.0 {
         corners.reverse();

@@ -1,7 +1,7 @@
 //! Figures over a place: pressure and friction on walls by height (`wall_bands.csv`), and profiles in bins (`profiles.csv`). They
 //! show the last averaging time.
 
-use super::run_files::RunFiles;
+use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour};
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
@@ -23,7 +23,7 @@ const PROFILES: [(&str, &str, &str); 5] = [
     ("temperature_m2_per_s2", "Granular temperature", "temperature, m²/s²"),
 ];
 
-pub(super) fn bands(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
+pub(super) fn bands(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
     let tables = tables(runs, "wall_bands.csv")?;
     let mut panels = Vec::new();
     for number in numbers(&tables, "bands") {
@@ -53,7 +53,7 @@ pub(super) fn bands(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
     Ok(panels)
 }
 
-pub(super) fn profiles(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
+pub(super) fn profiles(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
     let tables = tables(runs, "profiles.csv")?;
     let mut panels = Vec::new();
     for number in numbers(&tables, "profile") {
@@ -75,7 +75,7 @@ pub(super) fn profiles(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
 }
 
 /// Returns a curve for each species of a profile, or of several runs one for all grains.
-fn by_species(runs: &[&RunFiles], place: usize, table: &Table, number: &str, column: &str) -> Vec<Curve> {
+fn by_species(runs: &[&RunResults], place: usize, table: &Table, number: &str, column: &str) -> Vec<Curve> {
     let found =
         (last_rows(table, "profile", number), table.texts("species"), table.numbers("place_m"), table.numbers(column));
     let (Some(rows), Some(species), Some(places), Some(values)) = found else { return Vec::new() };
@@ -102,13 +102,13 @@ fn by_species(runs: &[&RunFiles], place: usize, table: &Table, number: &str, col
 }
 
 /// Returns a curve of a run, named after the run if there are several.
-fn curve(runs: &[&RunFiles], place: usize, name: String, points: Vec<(f64, f64)>) -> Curve {
+fn curve(runs: &[&RunResults], place: usize, name: String, points: Vec<(f64, f64)>) -> Curve {
     let name = if runs.len() == 1 { name } else { runs[place].name.clone() };
     Curve { name, colour: colour(place), points, has_line: true, has_dots: true, ..Curve::default() }
 }
 
 /// Returns the tables of the runs that have one, with the place of the run.
-fn tables(runs: &[&RunFiles], file: &str) -> Result<Vec<(usize, Table)>, Fault> {
+fn tables(runs: &[&RunResults], file: &str) -> Result<Vec<(usize, Table)>, Fault> {
     let read = runs.iter().enumerate().map(|(place, run)| Ok(run.table(file)?.map(|table| (place, table))));
     read.filter_map(Result::transpose).collect()
 }

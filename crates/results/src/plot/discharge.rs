@@ -5,7 +5,7 @@
 
 use super::over_time::{marks, thinned};
 use super::rate::Fit;
-use super::run_files::RunFiles;
+use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Axis, Clock, Curve, Key, Panel, colour};
 use siloflow_figures::statistics::rate::Rate;
 
@@ -23,7 +23,7 @@ const QUANTITIES: [Quantity; 2] = [
     Quantity { column: "out_kg", title: "Mass that is out", label: "mass, kg", unit: "kg" },
 ];
 
-pub(super) fn panels(runs: &[&RunFiles]) -> Vec<Panel> {
+pub(super) fn panels(runs: &[&RunResults]) -> Vec<Panel> {
     let openings: Option<Vec<_>> = runs.iter().map(|run| run.opening()).collect();
     let starts = openings.filter(|_| runs.len() > 1);
     let rows = |number: usize, column: &str| -> Option<Vec<(f64, f64)>> {
@@ -84,7 +84,7 @@ fn rates_of(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// Returns the curve of an amount, and the line of its mean rate.
-fn with_fit(run: &RunFiles, quantity: &Quantity, number: usize, name: String, rows: &[(f64, f64)]) -> Vec<Curve> {
+fn with_fit(run: &RunResults, quantity: &Quantity, number: usize, name: String, rows: &[(f64, f64)]) -> Vec<Curve> {
     // Among several runs, the line has the colour of its run.
     let line_colour = if name.is_empty() { colour(2) } else { colour(number) };
     let curve = Curve { name, colour: colour(number), points: thinned(rows), has_line: true, ..Curve::default() };
@@ -115,7 +115,7 @@ fn in_words(rate: &Rate, unit: &str) -> String {
     }
 }
 
-fn panel(runs: &[&RunFiles], title: &str, label: &'static str, curves: Vec<Curve>, is_since_opening: bool) -> Panel {
+fn panel(runs: &[&RunResults], title: &str, label: &'static str, curves: Vec<Curve>, is_since_opening: bool) -> Panel {
     let all = || curves.iter().flat_map(|curve| curve.points.iter());
     let last = all().map(|point| point.0).fold(0.0, f64::max);
     let time = match (is_since_opening, runs.iter().any(|run| run.is_lattice())) {

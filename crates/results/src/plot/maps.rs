@@ -2,7 +2,7 @@
 //! `flow.csv`. Of a grid in three directions the map shows the middle layer along axis 2.
 
 use super::by_height::last_rows;
-use super::run_files::RunFiles;
+use crate::run_results::RunResults;
 use siloflow_figures::colour::viridis;
 use siloflow_figures::diagram::{Axis, Cell, Panel, Scale};
 use siloflow_files::table::Table;
@@ -11,7 +11,7 @@ use siloflow_text::fault::Fault;
 /// A value at a place of a grid: the two coordinates, m, and the value.
 type Sample = (f64, f64, f64);
 
-pub(super) fn panels(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
+pub(super) fn panels(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
     for run in runs {
         let of_run = |title: &str| if runs.len() == 1 { title.to_owned() } else { format!("{}: {title}", run.name) };

@@ -25,7 +25,6 @@ mod discharge;
 mod maps;
 mod over_time;
 pub mod rate;
-pub mod run_files;
 
 use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Panel, sheet};
@@ -52,7 +51,7 @@ pub const STYLE: &str = "\
 .plot circle.k0 { fill: var(--ink) }
 ";
 
-type Draw = fn(&[&RunFiles]) -> Result<Vec<Panel>, Fault>;
+type Draw = fn(&[&RunResults]) -> Result<Vec<Panel>, Fault>;
 
 /// All figures that have their own code: name, title and drawing.
 const FIGURES: [(&str, &str, Draw); 9] = [
@@ -80,7 +79,7 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn figures(runs: &[&RunFiles]) -> Result<Vec<Figure>, Fault> {
+pub fn figures(runs: &[&RunResults]) -> Result<Vec<Figure>, Fault> {
     let own = FIGURES.iter().map(|&(name, title, draw)| Ok(figure(name, title, &draw(runs)?)));
     let others = over_time::other_columns(runs).into_iter().map(|name| named(runs, &name));
     own.chain(others).filter_map(Result::transpose).collect()
@@ -90,7 +89,7 @@ pub fn figures(runs: &[&RunFiles]) -> Result<Vec<Figure>, Fault> {
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn named(runs: &[&RunFiles], name: &str) -> Result<Option<Figure>, Fault> {
+pub fn named(runs: &[&RunResults], name: &str) -> Result<Option<Figure>, Fault> {
     match FIGURES.iter().find(|figure| figure.0 == name) {
         Some(&(name, title, draw)) => Ok(figure(name, title, &draw(runs)?)),
         None => Ok(figure(name, name, &over_time::column(runs, name))),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::run_files::RunFiles;
+use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Axis, Clock, Curve, Key, Mark, Panel, colour};
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
@@ -101,7 +101,7 @@ pub(super) const SPEED: [Group; 4] = [
 const ELSEWHERE: [&str; 7] = ["time_s", "step", "out_kg", "outflow_per_s", "outflow_per_step", "culled", "energy_j"];
 
 /// Returns the figure of one column of `series.csv`; nothing if no run has it.
-pub(super) fn column(runs: &[&RunFiles], name: &str) -> Vec<Panel> {
+pub(super) fn column(runs: &[&RunResults], name: &str) -> Vec<Panel> {
     let curves: Vec<_> = runs.iter().filter_map(|run| Some((run.name.clone(), points(run, name)?))).collect();
     if curves.is_empty() {
         return Vec::new();
@@ -112,7 +112,7 @@ pub(super) fn column(runs: &[&RunFiles], name: &str) -> Vec<Panel> {
 }
 
 /// Names of the columns of `series.csv` that no other figure shows: those of behaviours.
-pub(super) fn other_columns(runs: &[&RunFiles]) -> Vec<String> {
+pub(super) fn other_columns(runs: &[&RunResults]) -> Vec<String> {
     let groups = || [&GRAINS[..], &ENERGY, &CONTACTS, &SPEED].into_iter().flatten();
     let is_known = |name: &str| {
         ELSEWHERE.contains(&name) || groups().any(|group| group.columns.iter().any(|column| column.0 == name))
@@ -127,13 +127,13 @@ pub(super) fn other_columns(runs: &[&RunFiles]) -> Vec<String> {
 }
 
 /// Returns the points of a column over time; `None` if the run has no such column.
-fn points(run: &RunFiles, name: &str) -> Option<Vec<(f64, f64)>> {
+fn points(run: &RunResults, name: &str) -> Option<Vec<(f64, f64)>> {
     Some(thinned(&run.times().into_iter().zip(run.series.numbers(name)?).collect::<Vec<_>>()))
 }
 
 /// Returns a panel for each group, or for several runs a panel for each column.
-pub(super) fn of_groups(runs: &[&RunFiles], groups: &[Group]) -> Vec<Panel> {
-    let of_run = |run: &RunFiles, &(column, name): &Named| {
+pub(super) fn of_groups(runs: &[&RunResults], groups: &[Group]) -> Vec<Panel> {
+    let of_run = |run: &RunResults, &(column, name): &Named| {
         // A quantity that is zero throughout is not part of the run.
         let points =
             points(run, column).filter(|points| points.iter().any(|point| point.1 != 0.0 && !point.1.is_nan()));
@@ -165,7 +165,7 @@ pub(super) fn of_groups(runs: &[&RunFiles], groups: &[Group]) -> Vec<Panel> {
 }
 
 /// Forces on walls: of one run a curve for each wall, or for each name if walls have names; of several runs the sums over all walls.
-pub(super) fn walls(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
+pub(super) fn walls(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
     for (axis, title) in [("fx_n", "along x"), ("fy_n", "along y"), ("fz_n", "along z")] {
         let mut curves = Vec::new();
@@ -227,7 +227,7 @@ fn sum(name: &str, table: &Table, axis: &str) -> Option<(String, Vec<(f64, f64)>
 
 /// Returns a panel over time with marks of the runs.
 fn panel(
-    runs: &[&RunFiles],
+    runs: &[&RunResults],
     title: String,
     label: String,
     is_log: bool,
@@ -264,12 +264,12 @@ fn decades(label: String, values: impl Iterator<Item = f64> + Clone) -> Axis {
 }
 
 /// Returns the marks of a run. Several runs have their own times, which are marked if there are few, with their names.
-pub(super) fn marks(runs: &[&RunFiles]) -> Vec<Mark> {
+pub(super) fn marks(runs: &[&RunResults]) -> Vec<Mark> {
     match runs {
         [run] => run.marks(),
         _ if runs.len() > 3 => Vec::new(),
         _ => {
-            let named = |run: &RunFiles, mark: Mark| Mark { name: format!("{}: {}", run.name, mark.name), ..mark };
+            let named = |run: &RunResults, mark: Mark| Mark { name: format!("{}: {}", run.name, mark.name), ..mark };
             runs.iter().flat_map(|run| run.marks().into_iter().map(|mark| named(run, mark))).collect()
         }
     }

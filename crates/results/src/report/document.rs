@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use hmac_sha256::Hash;
 use serde_json::{Map, Value};
 
-use crate::plot::{Figure, self};
+use crate::plot::{self, Figure};
 use crate::report::html::{Section, escape, scrolled};
 use crate::report::player::{self, Packed};
 use crate::report::run::Run;
@@ -186,7 +186,7 @@ fn head(title: &str, script: &str) -> String {
         env!("CARGO_PKG_VERSION"),
         escape(title),
         player::STYLE,
-        charts::STYLE,
+        plot::STYLE,
     )
 }
 

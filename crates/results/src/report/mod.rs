@@ -26,12 +26,13 @@ pub mod walls;
 
 use std::path::Path;
 
-use crate::run_results::RunResults;
-use crate::plot::{Figure, self};
+use crate::plot::{self, Figure};
 use crate::report::document::Contents;
 use crate::report::player::Packed;
 use crate::report::run::Run;
-use siloflow::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
+use crate::run_results::RunResults;
+use crate::scene_facts::ReadFacts;
+use siloflow_files::frames::reader::OF_UNKNOWN_SCENE;
 use siloflow_text::fault::Fault;
 
 /// Most runs of one report.
@@ -40,12 +41,12 @@ pub const MOST_RUNS: usize = 12;
 /// Least number of characters of the data of a player, if there are many.
 const LEAST_BUDGET: usize = 2_000_000;
 
-/// Returns the page of these run directories.
+/// Returns the page of these run directories. `read` reads the facts of their scenes.
 ///
 /// # Errors
 /// If one of them is no run directory, or its summary or series cannot be read.
-pub fn page(directories: &[&Path]) -> Result<String, Fault> {
-    let mut runs = directories.iter().map(|path| Run::open(path)).collect::<Result<Vec<_>, _>>()?;
+pub fn page(directories: &[&Path], read: ReadFacts) -> Result<String, Fault> {
+    let mut runs = directories.iter().map(|path| Run::open(path, read)).collect::<Result<Vec<_>, _>>()?;
     Run::distinguish(&mut runs);
     let files: Vec<_> = runs.iter().map(|run| &run.files).collect();
     let figures = figures(&files);
@@ -56,14 +57,14 @@ pub fn page(directories: &[&Path]) -> Result<String, Fault> {
 }
 
 /// All figures, of whichever the files can be read.
-fn figures(files: &[&RunFiles]) -> Vec<Figure> {
-    charts::figures(files)
-        .unwrap_or_else(|_| charts::names().filter_map(|name| charts::named(files, name).ok().flatten()).collect())
+fn figures(files: &[&RunResults]) -> Vec<Figure> {
+    plot::figures(files)
+        .unwrap_or_else(|_| plot::names().filter_map(|name| plot::named(files, name).ok().flatten()).collect())
 }
 
 /// The frames of a run, or why there are none, as HTML.
 fn frames(run: &Run, budget: usize) -> Result<Packed, String> {
-    let most = run.scene.as_ref().map_or(OF_UNKNOWN_SCENE, most_bytes);
+    let most = run.scene.as_ref().map_or(OF_UNKNOWN_SCENE, |scene| scene.most_bytes);
     match Packed::of_frames_within(&run.files.directory, budget, most) {
         Ok(Some(frames)) => Ok(frames),
         Ok(None) if run.is_lattice() => Err(

@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use crate::report::html::{Section, code, escape};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
-use siloflow::scene::loaded::AnyScene;
 use siloflow_files::run_directory::hash_of_input;
 
 /// The section of the origin of each run.
@@ -58,10 +57,5 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
 
 /// The seed as text: a number may have more digits than a float holds.
 fn seed(run: &Run) -> Cell {
-    let seed = match &run.scene {
-        Ok(AnyScene::Grains(loaded)) => loaded.scene.seed,
-        Ok(AnyScene::Lattice(loaded)) => loaded.scene.seed,
-        Err(_) => return Cell::Nothing,
-    };
-    Cell::Html(code(&seed.to_string()))
+    run.scene.as_ref().map_or(Cell::Nothing, |scene| Cell::Html(code(&scene.seed.to_string())))
 }

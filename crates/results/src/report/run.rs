@@ -7,8 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::run_results::RunResults;
-use siloflow::scene::load;
-use siloflow::scene::loaded::AnyScene;
+use crate::scene_facts::{ReadFacts, SceneFacts};
 use siloflow_files::own_files;
 use siloflow_files::run_directory::scene_of;
 use siloflow_files::table::Table;
@@ -19,27 +18,27 @@ use siloflow_text::file;
 #[derive(Debug)]
 pub struct Run {
     /// The files. Their name is short, and different from those of other runs of the report.
-    pub files: RunFiles,
+    pub files: RunResults,
     /// Text of `scene.ron`; empty if it cannot be read.
     pub scene_text: String,
-    /// The scene, or why it cannot be loaded.
-    pub scene: Result<AnyScene, String>,
+    /// Facts of the scene, or why it cannot be loaded.
+    pub scene: Result<SceneFacts, String>,
 }
 
 impl Run {
-    /// Opens the run directory at `path`.
+    /// Opens the run directory at `path`. `read` reads the facts of its scene.
     ///
     /// # Errors
-    /// As [`RunFiles::open`].
-    pub fn open(path: &Path) -> Result<Self, Fault> {
-        let mut files = RunFiles::open(path)?;
+    /// As [`RunResults::open`].
+    pub fn open(path: &Path, read: ReadFacts) -> Result<Self, Fault> {
+        let mut files = RunResults::open(path)?;
         if let Some(name) = files.summary["scene"].as_str() {
             name.clone_into(&mut files.name);
         }
         let scene = scene_of(path);
         Ok(Self {
             scene_text: own_files::read_text(&scene, file::SCENE_BYTES).unwrap_or_default(),
-            scene: load::named(&scene, &files.name).map_err(|fault| fault.to_string()),
+            scene: read(&scene, &files.name),
             files,
         })
     }
@@ -58,17 +57,13 @@ impl Run {
 
     /// Gives runs of one report different labels: names of their scenes, or of their directories, or whole paths.
     pub fn distinguish(runs: &mut [Self]) {
-        RunFiles::distinguish(&mut runs.iter_mut().map(|run| &mut run.files).collect::<Vec<_>>());
+        RunResults::distinguish(&mut runs.iter_mut().map(|run| &mut run.files).collect::<Vec<_>>());
     }
 
     /// The title of the scene, or else the name of the run.
     #[must_use]
     pub fn title(&self) -> &str {
-        let title = match &self.scene {
-            Ok(AnyScene::Grains(loaded)) => &loaded.scene.title,
-            Ok(AnyScene::Lattice(loaded)) => &loaded.scene.title,
-            Err(_) => "",
-        };
+        let title = self.scene.as_ref().map_or("", |scene| &scene.title);
         if title.is_empty() { self.label() } else { title }
     }
 

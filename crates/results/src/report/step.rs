@@ -1,25 +1,21 @@
-//! The estimates of `siloflow check` for the scene of a run, computed from its `scene.ron`: the step, its limits, the expected error of
+//! The estimates of `siloflow check` for the scene of a run: the step, its limits, the expected error of
 //! an impact, and warnings.
 
 use std::fmt::Write as _;
 
-use siloflow::lattice_silo;
 use crate::report::html::{Section, code, escape, list, message};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
-use siloflow::scene::TimeStep;
-use siloflow::scene::check::automatic::{automatic, expected_error};
-use siloflow::scene::check::{Estimates, self};
-use siloflow::scene::loaded::{AnyScene, Loaded};
+use crate::scene_facts::{SceneFacts, StepEstimates};
 use siloflow_text::fault::Warning;
 
 /// The section of the step and its error.
 #[must_use]
 pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
-    let estimates: Vec<Option<Estimates>> = runs.iter().map(|run| grains(run).and_then(Estimates::of)).collect();
+    let estimates: Vec<Option<&StepEstimates>> = runs.iter().map(|run| grains(run)?.step.as_ref()).collect();
     let mut sheet = Sheet::default();
-    let mut row = |name: &str, unit: &'static str, of: &dyn Fn(&Estimates) -> f64| {
-        let cell = |e: &Option<Estimates>| Cell::of(e.as_ref().map(of).filter(|x| x.is_finite()), unit);
+    let mut row = |name: &str, unit: &'static str, of: &dyn Fn(&StepEstimates) -> f64| {
+        let cell = |e: &Option<&StepEstimates>| Cell::of(e.map(of).filter(|x| x.is_finite()), unit);
         sheet.add(name, estimates.iter().map(cell).collect());
     };
     row("Step", "s", &|e| e.dt);
@@ -27,21 +23,21 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     row("Steps in the shortest contact", "steps", &|e| e.contact_duration / e.dt);
     row("Largest stable step of one contact", "s", &|e| e.pair_limit);
     row("Largest stable step in a dense bed", "s", &|e| e.bed_limit);
-    row("Expected rms error of an impact, of its speed", "%", &|e| 100.0 * expected_error(e).unwrap_or(f64::NAN));
+    row("Expected rms error of an impact, of its speed", "%", &|e| 100.0 * e.expected_error.unwrap_or(f64::NAN));
     row("Restitution of an impact", "", &|e| e.restitution);
     row("Fastest impact", "m/s", &|e| e.impact_speed);
     row("Overlap expected from that impact, over the radius", "", &|e| e.impact_overlap);
     row("Overlap expected from the weight of the bed, over the radius", "", &|e| e.static_overlap);
     let largest = |run: &Run| Cell::of(run.number("/max_overlap_ratio"), "");
     sheet.add("Largest overlap of the run, over the radius", runs.iter().map(largest).collect());
-    let scheme = |e: &Option<Estimates>| e.map_or(Cell::Nothing, |e| Cell::Html(code(&format!("{:?}", e.scheme))));
+    let scheme = |e: &Option<&StepEstimates>| e.map_or(Cell::Nothing, |e| Cell::Html(code(&e.scheme)));
     sheet.add("Scheme", estimates.iter().map(scheme).collect());
-    let reason = |(run, e): (&Run, &Option<Estimates>)| match (grains(run).map(|loaded| loaded.scene.step), e) {
-        (Some(TimeStep::Auto { error }), Some(e)) => Cell::Html(escape(&automatic(e, error.get()).reason)),
-        (Some(TimeStep::Fixed(_)), Some(_)) => Cell::Html("The scene gives the step.".to_owned()),
-        _ => Cell::Nothing,
+    let reason = |e: &Option<&StepEstimates>| match e.map(|e| &e.reason) {
+        Some(Some(reason)) => Cell::Html(escape(reason)),
+        Some(None) => Cell::Html("The scene gives the step.".to_owned()),
+        None => Cell::Nothing,
     };
-    sheet.add("Why this step", runs.iter().zip(&estimates).map(reason).collect());
+    sheet.add("Why this step", estimates.iter().map(reason).collect());
     let mut content = sheet.html("Step and expected error, as siloflow check estimates them", labels);
     for run in runs {
         content += &remarks(run, runs.len() > 1);
@@ -58,19 +54,16 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     Section::of("step", "Step and expected error", content)
 }
 
-fn grains(run: &Run) -> Option<&Loaded> {
-    match &run.scene {
-        Ok(AnyScene::Grains(loaded)) => Some(loaded),
-        _ => None,
-    }
+/// The facts of a scene of grains.
+fn grains(run: &Run) -> Option<&SceneFacts> {
+    run.scene.as_ref().ok().filter(|scene| !scene.is_lattice)
 }
 
 /// Warnings about the scene of a run, or why it cannot be examined.
 fn remarks(run: &Run, has_name: bool) -> String {
     let name = if has_name { format!("<strong><bdi>{}</bdi></strong>: ", escape(run.label())) } else { String::new() };
     let warnings = match &run.scene {
-        Ok(AnyScene::Grains(loaded)) => check::warnings(loaded),
-        Ok(AnyScene::Lattice(loaded)) => lattice_silo::check::warnings(loaded),
+        Ok(scene) => &scene.warnings,
         Err(error) => return format!("<p>{name}the scene of the run cannot be examined: {}</p>\n", escape(error)),
     };
     let item = |warning: &Warning| {

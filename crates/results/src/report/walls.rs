@@ -8,8 +8,6 @@ use std::fmt::Write as _;
 use crate::report::html::{Section, escape, quantity, scrolled};
 use crate::report::run::Run;
 use crate::report::table;
-use siloflow::scene::loaded::AnyScene;
-use siloflow_dem::walls::config::Wall;
 use siloflow_files::table::Table;
 
 /// Most walls that are listed.
@@ -81,11 +79,9 @@ fn moments(run: &Run, times: &[f64]) -> Vec<(&'static str, f64)> {
 
 /// Number and name of a wall of the scene, as HTML.
 fn wall_name(run: &Run, key: &str, text: &str) -> String {
-    let Ok(AnyScene::Grains(loaded)) = &run.scene else { return escape(text) };
+    let Some(scene) = run.scene.as_ref().ok().filter(|scene| !scene.is_lattice) else { return escape(text) };
     let wall = (key == "wall").then(|| text.parse::<usize>().ok()?.checked_sub(1)).flatten();
-    // Discs have no number.
-    let mut surfaces = loaded.scene.walls.iter().filter(|wall| wall.is_surface());
-    match wall.and_then(|wall| surfaces.nth(wall)).and_then(Wall::name) {
+    match wall.and_then(|wall| scene.wall_names.get(wall)?.as_ref()) {
         Some(name) => format!("{} <bdi>{}</bdi>", escape(text), escape(name)),
         None => format!("<bdi>{}</bdi>", escape(text)),
     }

@@ -40,7 +40,7 @@ mod wall_shapes;
 use std::io;
 use std::path::Path;
 
-use siloflow::scene::extent::OF_UNKNOWN_SCENE;
+use siloflow_files::frames::reader::OF_UNKNOWN_SCENE;
 use siloflow_files::own_files;
 use siloflow_files::run_directory::frame_data_of;
 

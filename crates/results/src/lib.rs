@@ -1,0 +1,15 @@
+//! Whatever reads a finished run: reports, figures of runs, comparisons, pictures from frames, and exports.
+//!
+//! Nothing here simulates, and nothing knows the types of a scene. Facts of a scene come as plain values ([`scene_facts`]), which the app
+//! makes.
+
+#[cfg(feature = "report")]
+pub mod compare;
+pub mod export;
+pub mod pictures;
+#[cfg(feature = "report")]
+pub mod plot;
+#[cfg(feature = "report")]
+pub mod report;
+pub mod run_results;
+pub mod scene_facts;
