@@ -18,6 +18,7 @@ mod plot;
 mod power_failure;
 mod progress;
 mod render;
+#[cfg(feature = "report")]
 mod report;
 mod run;
 mod run_grains;
@@ -102,6 +103,7 @@ enum Command {
     /// Draw figures of runs: discharge, energies, forces on walls, profiles, fields.
     Plot(plot::PlotArgs),
     /// Write one HTML file about a run, or compare several: players, curves, tables.
+    #[cfg(feature = "report")]
     Report(report::ReportArgs),
     /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump), or write a scene for LAMMPS.
     Export(export::ExportArgs),
@@ -200,6 +202,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args, cli.quiet),
         Command::Plot(args) => plot::plot(args),
+        #[cfg(feature = "report")]
         Command::Report(args) => report::report(args),
         Command::Export(args) => export::export(args, cli.quiet),
         #[cfg(feature = "shell")]

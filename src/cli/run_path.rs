@@ -27,17 +27,14 @@ use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
 use crate::output::parent::Parent;
 use crate::output::summary::Cost;
-use crate::scene::facts;
 use crate::simulation::Simulation;
 use crate::writers::provenance::Provenance;
 use siloflow_dem::outcome::{End, Failure};
 use siloflow_dem::persist::{CheckpointConfig, Section};
 use siloflow_dem::values::NonNegative;
 use siloflow_files::hashes::{self, SummaryFiles};
-use siloflow_files::run_directory::{RunDirectory, report_of};
+use siloflow_files::run_directory::RunDirectory;
 use siloflow_files::run_files::Damage;
-use siloflow_files::whole_file;
-use siloflow_results::report;
 use siloflow_text::fault::Fault;
 use siloflow_text::source::Source;
 
@@ -234,15 +231,23 @@ fn finish<M: Method>(
 }
 
 /// Writes the report of a run that is over, and returns its path.
+#[cfg(feature = "report")]
 fn write_report(directory: &RunDirectory) -> Result<PathBuf, Fault> {
-    let path = report_of(directory.path());
-    let page = report::page(&[directory.path()], &facts::read)?;
+    use siloflow_files::whole_file;
+    let path = siloflow_files::run_directory::report_of(directory.path());
+    let page = siloflow_results::report::page(&[directory.path()], &crate::scene::facts::read)?;
     let written =
         directory.guard()().and_then(|()| whole_file::write_synced(&path, |file| file.write_all(page.as_bytes())));
     written.map(|()| path.clone()).map_err(|error| {
         Fault::new("report::write", format!("could not write {}: {error}", path.display()))
             .help("the run itself is complete; `siloflow report` writes the report later")
     })
+}
+
+/// A program without the feature `report` writes none.
+#[cfg(not(feature = "report"))]
+fn write_report(_: &RunDirectory) -> Result<PathBuf, Fault> {
+    Err(Fault::new("report::absent", "this program was built without reports").help("build it with the feature `report`"))
 }
 
 /// The fault of a run that failed before anything was changed.

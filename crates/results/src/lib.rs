@@ -3,11 +3,9 @@
 //! Nothing here simulates, and nothing knows the types of a scene. Facts of a scene come as plain values ([`scene_facts`]), which the app
 //! makes.
 
-#[cfg(feature = "report")]
 pub mod compare;
 pub mod export;
 pub mod pictures;
-#[cfg(feature = "report")]
 pub mod plot;
 #[cfg(feature = "report")]
 pub mod report;

@@ -7,7 +7,7 @@ use crate::writers::volume;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::Positive;
 use siloflow_dem::walls::config::Wall;
-use siloflow_figures::png::{MOST_PIXELS, MOST_SHAPES};
+use siloflow_figures::png::{IS_AVAILABLE, MOST_PIXELS, MOST_SHAPES};
 use siloflow_results::pictures::camera::Direction;
 use siloflow_text::fault::Fault;
 
@@ -26,6 +26,11 @@ pub(super) fn pictures(loaded: &Loaded) -> Result<(), Fault> {
     direction(loaded, pictures)?;
     if !pictures.png {
         return Ok(());
+    }
+    if !IS_AVAILABLE {
+        return Err(loaded
+            .fault("scene::no_png", "pictures.png", "this program was built without PNG")
+            .help("write SVG only with `png: false`, or build with the feature `png`"));
     }
     let pixels = expected::pixels(loaded);
     // A view without a size has no number of pixels.

@@ -34,6 +34,9 @@ pub const MOST_SHAPES: usize = 900_000;
 /// Longest time for which a file from elsewhere is drawn.
 pub const LONGEST_DRAWING: Duration = Duration::from_mins(1);
 
+/// Whether this program draws PNG.
+pub const IS_AVAILABLE: bool = cfg!(feature = "png");
+
 /// A drawing as pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pixels {
