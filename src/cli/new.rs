@@ -10,7 +10,7 @@ use crate::cli::say;
 use crate::scene::shipped::{self, SCENES, Shipped};
 use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
-use siloflow_text::source::parse::did_you_mean;
+use siloflow_text::suggestion::did_you_mean;
 
 /// Arguments of `new`.
 #[derive(Args, Debug)]

@@ -9,7 +9,7 @@ use crate::cli::{check_results, picture_files, say, write_results};
 use siloflow_results::plot::{self, Figure};
 use siloflow_results::run_results::RunResults;
 use siloflow_text::fault::Fault;
-use siloflow_text::source::parse::closest;
+use siloflow_text::suggestion::closest;
 
 /// Arguments of `plot`.
 #[derive(Args, Debug)]

@@ -247,7 +247,8 @@ fn write_report(directory: &RunDirectory) -> Result<PathBuf, Fault> {
 /// A program without the feature `report` writes none.
 #[cfg(not(feature = "report"))]
 fn write_report(_: &RunDirectory) -> Result<PathBuf, Fault> {
-    Err(Fault::new("report::absent", "this program was built without reports").help("build it with the feature `report`"))
+    Err(Fault::new("report::absent", "this program was built without reports")
+        .help("build it with the feature `report`"))
 }
 
 /// The fault of a run that failed before anything was changed.

@@ -8,10 +8,10 @@
 
 use crate::grains::feed::Feed;
 use crate::measure::fields::Layout;
-use crate::output::pictures::view;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
+use crate::scene::view;
 use crate::writers::volume::Output;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::values::Positive;

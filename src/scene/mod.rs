@@ -13,6 +13,7 @@ pub mod loaded;
 pub mod outputs;
 pub mod rules;
 pub mod shipped;
+pub mod view;
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;

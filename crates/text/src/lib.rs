@@ -6,3 +6,4 @@ pub mod fault;
 pub mod file;
 pub mod safe;
 pub mod source;
+pub mod suggestion;

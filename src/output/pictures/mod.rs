@@ -4,7 +4,6 @@
 //! such frame, or it lacks the contacts or walls of the picture, a frame is made for the picture.
 
 pub mod style;
-pub mod view;
 
 #[cfg(test)]
 mod tests;

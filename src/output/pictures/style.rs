@@ -1,22 +1,12 @@
 //! The style of a scene's pictures.
 
-use crate::output::pictures::view;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
+use crate::scene::view;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::values::{Finite, Positive};
 use siloflow_dem::walls::surfaces::Surface;
-use siloflow_results::pictures::camera::Camera;
 use siloflow_results::pictures::style::{Colouring, Style};
-
-/// Returns the camera of a scene's pictures.
-#[must_use]
-pub fn camera(loaded: &Loaded, pictures: &Pictures) -> Camera {
-    match loaded.scene.space {
-        Dimension::Plane => Camera::PLANE,
-        Dimension::Solid => Camera::towards(pictures.direction),
-    }
-}
 
 /// Returns the colours that a key of the scene asks for.
 fn colouring(colour: &Colour) -> Colouring {
@@ -41,7 +31,7 @@ pub fn style(loaded: &Loaded, pictures: &Pictures) -> Style {
         width: pictures.width.get(),
         colour: colouring(&pictures.colour),
         network: pictures.network.map(Positive::get),
-        camera: camera(loaded, pictures),
+        camera: view::camera(loaded, pictures),
         cut: pictures.cut.map(Finite::get),
         view: view::of(loaded, pictures),
         smallest_radius: loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest),

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use siloflow_text::source::parse::did_you_mean;
+use siloflow_text::suggestion::did_you_mean;
 
 /// The schema of the summary of a run of grains.
 const SCHEMA: &str = include_str!("../../../docs/reference/summary.schema.json");

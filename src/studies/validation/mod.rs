@@ -27,7 +27,7 @@ use crate::studies::validation::cases::CASES;
 use crate::studies::validation::runs::Studies;
 use crate::studies::validation::verdict::Judgement;
 use siloflow_text::fault::Fault;
-use siloflow_text::source::parse::did_you_mean;
+use siloflow_text::suggestion::did_you_mean;
 
 /// A validation case.
 #[derive(Debug)]

@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::style::{Colouring, Style, speeds};
-use super::{hidden, legend, point};
+use super::style::Style;
+use super::{hidden, point, shades};
 use glam::{DVec2, DVec3};
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_files::frames::{Frame, Header};
@@ -38,8 +38,8 @@ impl Grains {
         let bytes = |name: &str| table.numbers(name).unwrap_or_else(|| vec![0.0; table.rows]);
         let kinds = bytes("kind");
         let species = bytes("species");
-        let shades = shades(header, frame, style);
-        let map = legend::map(header, style);
+        let shades = shades::of(header, frame, style);
+        let map = shades::map(header, style);
         let cut = style.depth_of_cut(header).unwrap_or(f64::NEG_INFINITY);
         let mut all = Vec::with_capacity(table.rows);
         for (row, &radius) in radii.iter().enumerate() {
@@ -100,16 +100,4 @@ impl Grains {
 fn is_in_view(style: &Style, centre: DVec2, radius: f64) -> bool {
     let (low, high) = style.view;
     (centre + radius).cmpge(low).all() && (centre - radius).cmple(high).all()
-}
-
-/// Returns the place of each grain on the colour scale, from 0 to 1; nothing if species give the colours.
-fn shades(header: &Header, frame: &Frame, style: &Style) -> Vec<f64> {
-    let Some(table) = frame.table("grains") else { return Vec::new() };
-    let ((from, to), values) = match &style.colour {
-        Colouring::Species => return Vec::new(),
-        Colouring::Speed(top) => ((0.0, *top), speeds(header, frame)),
-        Colouring::Pressure(top) => ((0.0, *top), table.numbers("pressure").unwrap_or_default()),
-        Colouring::Column { name, from, to } => ((*from, *to), table.numbers(name).unwrap_or_default()),
-    };
-    values.into_iter().map(|value| (value - from) / (to - from)).collect()
 }

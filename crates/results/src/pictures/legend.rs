@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
+use super::shades;
 use super::style::{Colouring, Style};
 use glam::{DVec2, DVec3};
-use siloflow_figures::colour::{self, Rgb};
+use siloflow_figures::colour::Rgb;
 use siloflow_figures::svg::Legend;
-use siloflow_files::frames::scale::Palette;
 use siloflow_files::frames::{Frame, Header};
 
 pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<String> {
@@ -20,7 +20,7 @@ pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<Strin
 }
 
 pub(super) fn legend(header: &Header, frame: &Frame, style: &Style, grains: &Grains) -> Legend {
-    let map = map(header, style);
+    let map = shades::map(header, style);
     let scale = |from: f64, to: f64, title: String| Legend::Scale { from, to, title, map };
     match &style.colour {
         Colouring::Species => {
@@ -39,16 +39,6 @@ pub(super) fn legend(header: &Header, frame: &Frame, style: &Style, grains: &Gra
             let name = registered.map_or_else(|| name.replace('_', " "), |column| column.label.clone());
             scale(*from, *to, unit.map_or(name.clone(), |unit| format!("{name}, {unit}")))
         }
-    }
-}
-
-/// Returns the colour map: that which a behaviour suggests for its column, or viridis.
-pub(super) fn map(header: &Header, style: &Style) -> fn(f64) -> Rgb {
-    let Colouring::Column { name, .. } = &style.colour else { return colour::viridis };
-    let registered = header.columns.iter().find(|column| column.name == *name).and_then(|column| column.scale);
-    match registered.map(|scale| scale.palette) {
-        Some(Palette::BlueRed) => colour::blue_red,
-        _ => colour::viridis,
     }
 }
 

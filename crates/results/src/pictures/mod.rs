@@ -15,6 +15,7 @@
 //! | `grains.rs`, `hidden.rs` | discs and spheres; which spheres cannot be seen |
 //! | `bonds.rs` | contact forces |
 //! | `walls.rs`, `edges.rs`, `clip.rs` | walls as lines, and as translucent surfaces with edges |
+//! | `shades.rs` | colours by a number |
 //! | `legend.rs` | header, legend and key |
 //! | `camera.rs` | the axes of a picture |
 
@@ -25,6 +26,7 @@ mod edges;
 mod grains;
 mod hidden;
 mod legend;
+mod shades;
 pub mod style;
 mod walls;
 

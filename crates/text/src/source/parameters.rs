@@ -20,8 +20,8 @@ use rustc_hash::FxHashMap;
 
 use crate::fault::Fault;
 use crate::source::expression::{self, Problem, Trouble};
-use crate::source::parse::did_you_mean;
 use crate::source::places::{Place, Places};
+use crate::suggestion::did_you_mean;
 
 /// The scene key.
 pub const KEY: &str = "parameters";

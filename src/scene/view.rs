@@ -1,6 +1,5 @@
 //! The view of the pictures: lower left and upper right corner, m, in the axes of the [`Camera`].
 
-use crate::output::pictures::style;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
 use siloflow_dem::space::{Dimension, Linear as _, Plane, Solid, Space, Vector};
@@ -8,10 +7,19 @@ use siloflow_dem::walls::shapes::Shape as _;
 use siloflow_dem::walls::surfaces::Surface;
 use siloflow_results::pictures::camera::Camera;
 
+/// Returns the camera of a scene's pictures.
+#[must_use]
+pub fn camera(loaded: &Loaded, pictures: &Pictures) -> Camera {
+    match loaded.scene.space {
+        Dimension::Plane => Camera::PLANE,
+        Dimension::Solid => Camera::towards(pictures.direction),
+    }
+}
+
 /// Returns lower left and upper right corner (m) of the pictures: as the scene gives them, or around all of it.
 #[must_use]
 pub fn of(loaded: &Loaded, pictures: &Pictures) -> (Vector, Vector) {
-    let camera = style::camera(loaded, pictures);
+    let camera = camera(loaded, pictures);
     let given = pictures.view.map(|(low, high)| (low.get(), high.get()));
     given.unwrap_or_else(|| full_view(loaded, &camera))
 }
