@@ -217,7 +217,7 @@ fn slide_path(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
     (direction, flank - last + radius)
 }
 
-/// Filter: wall grains of the door. It is disjoint from all movable particles.
+/// Filter: wall grains of the door. It is disjoint from all free particles.
 type DoorGrain = (With<Door>, With<Fixed>);
 
 fn slide(clock: Res<Clock>, mut state: ResMut<DoorState>, mut door: Query<(&mut Position, &mut Velocity), DoorGrain>) {

@@ -35,6 +35,8 @@ mod saved;
 mod spatial_sort;
 mod sync_plan;
 
+use std::ops::Range;
+
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -169,8 +171,8 @@ pub struct ParticleStore<V: Space = Plane> {
     pub(crate) wraps_after_drift: bool,
     /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
     pub smallest_share: f64,
-    /// Number of particles that are not fixed: they have the first slots.
-    pub movable_end: usize,
+    /// Number of free particles, on which forces act: they have the first slots. All others are fixed.
+    pub free_end: usize,
     /// Number of renumberings so far. Code that caches slots compares it to detect a renumbering.
     pub generation: u64,
     /// Sum over the steps of the longest move of any particle in a step, m: an upper bound of the distance that any
@@ -212,7 +214,7 @@ impl<V: Space> Default for ParticleStore<V> {
             periodic: None,
             wraps_after_drift: false,
             smallest_share: 0.0,
-            movable_end: 0,
+            free_end: 0,
             generation: 0,
             travel: 0.0,
             tracks_energy: false,
@@ -249,11 +251,26 @@ impl<V: Space> ParticleStore<V> {
         self.loads.rolling_drag.clear();
     }
 
-    /// Whether forces do not move the particle in slot `i`.
+    /// Whether the particle in slot `i` is fixed: forces do not act on it. Two fixed particles make no contact.
     #[must_use]
     #[inline]
     pub fn is_fixed(&self, i: usize) -> bool {
-        i >= self.movable_end
+        i >= self.free_end
+    }
+
+    /// The rows of free particles, on which forces act. Searches and sums over contacts use these rows.
+    #[must_use]
+    #[inline]
+    pub fn free_rows(&self) -> Range<usize> {
+        0..self.free_end
+    }
+
+    /// The rows that the integrator moves, each by its own force and torque. Kicks and drifts use these rows, and so do sums and
+    /// counts over grains, because each such row is one grain with its mass and its energy of motion. Every free row is one.
+    #[must_use]
+    #[inline]
+    pub fn integrated_rows(&self) -> Range<usize> {
+        0..self.free_end
     }
 
     /// All slots, in ascending order of particle id.
@@ -277,11 +294,15 @@ impl<V: Space> ParticleStore<V> {
         self.periodic.map_or(a - b, |periodic| periodic.shortest(a - b))
     }
 
-    /// Kinetic energy of translation of the particle in slot `i`, J; zero for fixed particles.
+    /// Kinetic energy of translation of the particle in slot `i`, J; zero for a row that is not integrated.
     #[must_use]
     #[inline]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
-        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
+        if self.integrated_rows().contains(&i) {
+            0.5 * self.mass[i] * self.body[i].velocity.length_squared()
+        } else {
+            0.0
+        }
     }
 
     /// Whether grains of this run spin, also before there is a grain.
@@ -297,12 +318,15 @@ impl<V: Space> ParticleStore<V> {
         self.rotation.get(i).map_or(V::Spin::ZERO, |rotation| rotation.spin)
     }
 
-    /// Kinetic energy of rotation of the particle in slot `i`, J; zero for particles that are fixed or do not spin.
+    /// Kinetic energy of rotation of the particle in slot `i`, J; zero for a row that is not integrated or does
+    /// not spin.
     #[must_use]
     #[inline]
     pub fn rotational_energy(&self, i: usize) -> f64 {
         match self.rotation.get(i) {
-            Some(&Rotation { spin, inverse_inertia }) if inverse_inertia > 0.0 && !self.is_fixed(i) => {
+            Some(&Rotation { spin, inverse_inertia })
+                if inverse_inertia > 0.0 && self.integrated_rows().contains(&i) =>
+            {
                 0.5 * spin.length_squared() / inverse_inertia
             }
             _ => 0.0,

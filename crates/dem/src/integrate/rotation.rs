@@ -88,10 +88,11 @@ fn kick_by<V: Space, H: Halfway<Rotation<V>, V::Spin>, const NUMBERS: usize, con
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
-    let ParticleStore { loads, rotation, movable_end: end, .. } = store;
+    let end = store.integrated_rows().end;
+    let ParticleStore { loads, rotation, .. } = store;
     let sums = chunked.in_chunks(
-        &loads.torque.entries::<NUMBERS>()[..*end],
-        (&mut rotation[..*end], &mut apart[..*end]),
+        &loads.torque.entries::<NUMBERS>()[..end],
+        (&mut rotation[..end], &mut apart[..end]),
         #[inline(always)]
         |torque, (rotation, apart), sum: &mut V::Spin| {
             let gain = half_kick(torque[0], dt, rotation.inverse_inertia);

@@ -60,7 +60,7 @@ fn drift<V: Space>(
         };
         store.prediction.middle = apart;
         store.prediction.is_ahead = true;
-        let first = store.movable_end;
+        let first = store.integrated_rows().end;
         store.set_margins(first, longest, dt);
     } else {
         drift_all(InTheMiddle, (&mut unit(count), &mut unit(count)), (dt, is_pending), &chunked, &mut store);
@@ -115,11 +115,12 @@ fn drift_with<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, 
     wrap: impl Fn(&mut V) + Sync,
 ) -> f64 {
     let range = store.prediction.range;
-    let ParticleStore { body, loads, movable_end: end, .. } = store;
+    let end = store.integrated_rows().end;
+    let ParticleStore { body, loads, .. } = store;
     let (apart, swept) = kept;
     let chunks = chunked.in_chunks(
-        &loads.force.entries::<NUMBERS>()[..*end],
-        ((&mut body[..*end], &mut apart[..*end]), &mut swept[..*end]),
+        &loads.force.entries::<NUMBERS>()[..end],
+        ((&mut body[..end], &mut apart[..end]), &mut swept[..end]),
         #[inline(always)]
         |force, ((body, apart), swept), (longest, sum): &mut (LongestMove, V)| {
             let gain = half_kick(force[0], dt, body.inverse_mass);
@@ -181,10 +182,11 @@ fn kick_by<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize>(
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) -> V {
-    let ParticleStore { body, loads, movable_end: end, .. } = store;
+    let end = store.integrated_rows().end;
+    let ParticleStore { body, loads, .. } = store;
     let sums = chunked.in_chunks(
-        &loads.force.entries::<NUMBERS>()[..*end],
-        (&mut body[..*end], &mut apart[..*end]),
+        &loads.force.entries::<NUMBERS>()[..end],
+        (&mut body[..end], &mut apart[..end]),
         #[inline(always)]
         |force, (body, apart), sum: &mut V| {
             let velocity = halfway.middle(body, apart) + half_kick(force[0], dt, body.inverse_mass);

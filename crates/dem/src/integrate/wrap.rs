@@ -14,9 +14,10 @@ use crate::store::{AfterDeferredKick, ParticleStore, SpinsDrifted};
 
 /// Wraps positions into the box, and sums the potential energy that this adds (J).
 fn wrap_and_lift<V: Space>(mut store: ResMut<ParticleStore<V>>, gravity: Res<Gravity<V>>) {
-    let ParticleStore { body, mass, periodic: Some(periodic), movable_end: end, .. } = &mut *store else { return };
+    let end = store.integrated_rows().end;
+    let ParticleStore { body, mass, periodic: Some(periodic), .. } = &mut *store else { return };
     let mut lifted = 0.0;
-    for (body, mass) in body[..*end].iter_mut().zip(mass) {
+    for (body, mass) in body[..end].iter_mut().zip(mass) {
         let wrapped = periodic.wrapped(body.position);
         if wrapped != body.position {
             lifted += -*mass * gravity.0.dot(wrapped - body.position);

@@ -220,7 +220,7 @@ impl<V: Space> Cells<V> {
     pub(super) fn find(&self, store: &ParticleStore<V>, list: &mut PairList) {
         list.clear();
         for i in 0..store.len() {
-            if i < store.movable_end {
+            if !store.is_fixed(i) {
                 let wants = |j: u32| j as usize > i;
                 let consider = |j: u32| {
                     if store.may_touch(i, j as usize) {

@@ -145,7 +145,7 @@ impl<V: Space> ParticleStore<V> {
     }
 }
 
-/// Returns the largest distance at which two particles of `store` touch, at least one of them movable, m.
+/// Returns the largest distance at which two particles of `store` touch, at least one of them free, m.
 ///
 /// A grain searches the adjacent cells, so a pair is found for certain only if its centres are at most one cell side
 /// apart. The side must therefore not be smaller than this distance. For grains alone it is twice the largest radius.
@@ -155,8 +155,8 @@ pub fn contact_range<V: Space>(store: &ParticleStore<V>) -> f64 {
         let of_kind = (0..store.len()).filter(|&i| store.is_fixed(i) == fixed);
         of_kind.map(|i| store.body[i].radius).fold(0.0, f64::max)
     };
-    let movable = largest(false);
-    movable + movable.max(largest(true))
+    let free = largest(false);
+    free + free.max(largest(true))
 }
 
 fn update_search<V: Space>(

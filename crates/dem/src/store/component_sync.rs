@@ -81,7 +81,7 @@ impl<V: Space> ParticleStore<V> {
 
     /// Evaluates the power of the added forces, W, with the velocities of the step's end (after the second kick).
     fn end_added(&mut self) {
-        let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
+        let rows = self.added.iter().zip(&self.body).enumerate().take(self.integrated_rows().end);
         let power = rows.map(|(i, (added, body))| {
             added.dot(self.middle_velocity(i) + self.loads.force.of(i) * (self.half_step * body.inverse_mass))
         });

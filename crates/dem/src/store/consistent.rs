@@ -67,7 +67,7 @@ fn problem_of_rows<V: Space>(store: &ParticleStore<V>) -> Option<&'static str> {
     if !store.body.iter().zip(&store.mass).all(is_body) {
         return Some("a radius or a mass is not positive");
     }
-    let can_move = store.body[..store.movable_end].iter().all(|body| body.inverse_mass > 0.0);
-    let are_fixed = store.body[store.movable_end..].iter().all(|body| body.inverse_mass == 0.0);
-    (!can_move || !are_fixed).then_some("a fixed particle is among the movable ones, or a movable one among the fixed")
+    let are_free = store.body[..store.free_end].iter().all(|body| body.inverse_mass > 0.0);
+    let are_fixed = store.body[store.free_end..].iter().all(|body| body.inverse_mass == 0.0);
+    (!are_free || !are_fixed).then_some("a fixed particle is among the movable ones, or a movable one among the fixed")
 }

@@ -23,8 +23,8 @@ impl<V: Space> ParticleStore<V> {
 
     /// Whether more than a tenth of the grains come directly after a grain with a later place in the spatial order.
     fn is_unsorted(&self) -> bool {
-        let places = self.body[..self.movable_end].iter().map(|body| self.order.place(body.position));
-        10 * places.clone().zip(places.skip(1)).filter(|(one, next)| next < one).count() > self.movable_end
+        let places = self.body[self.free_rows()].iter().map(|body| self.order.place(body.position));
+        10 * places.clone().zip(places.skip(1)).filter(|(one, next)| next < one).count() > self.free_end
     }
 }
 

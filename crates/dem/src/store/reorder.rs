@@ -25,7 +25,7 @@ pub(crate) struct EntityRow<V: Space> {
     radius: &'static Radius,
     mass: Option<&'static Mass>,
     species: Option<&'static Species>,
-    is_fixed: Has<Fixed>,
+    is_marked_fixed: Has<Fixed>,
     turning: Option<(&'static Spin<V::Spin>, &'static Inertia)>,
     torque: Option<&'static Torque<V::Spin>>,
 }
@@ -44,7 +44,7 @@ struct Properties {
 
 impl Properties {
     fn of<V: Space>(row: &EntityRowItem<'_, '_, V>) -> Self {
-        let inverse_mass = row.mass.map_or(0.0, |mass| if row.is_fixed { 0.0 } else { 1.0 / mass.0 });
+        let inverse_mass = row.mass.map_or(0.0, |mass| if row.is_marked_fixed { 0.0 } else { 1.0 / mass.0 });
         Self {
             id: *row.id,
             radius: row.radius.0,
@@ -55,8 +55,8 @@ impl Properties {
         }
     }
 
-    /// Whether forces never move the particle.
-    fn never_moves(&self) -> bool {
+    /// Whether the particle is fixed: it has the mark [`Fixed`], or no mass.
+    fn is_fixed(&self) -> bool {
         self.inverse_mass == 0.0
     }
 }
@@ -65,7 +65,7 @@ impl Properties {
 struct Entering<V: Space> {
     entity: Entity,
     id: GrainId,
-    never_moves: bool,
+    is_fixed: bool,
     /// Radius, m.
     radius: f64,
     /// Centre, m.
@@ -75,8 +75,8 @@ struct Entering<V: Space> {
 impl<V: Space> Entering<V> {
     fn of(row: &EntityRowItem<'_, '_, V>) -> Self {
         let Properties { id, radius, .. } = Properties::of(row);
-        let never_moves = Properties::of(row).never_moves();
-        Self { entity: row.entity, id, never_moves, radius, position: row.position.0 }
+        let is_fixed = Properties::of(row).is_fixed();
+        Self { entity: row.entity, id, is_fixed, radius, position: row.position.0 }
     }
 }
 
@@ -101,7 +101,7 @@ impl<V: Space> ParticleStore<V> {
         let rows = self.len();
         self.order = self.next_order(&entering, &altered);
         let entrants = self.entrants(&entering, &altered);
-        self.movable_end = entrants.partition_point(|&((is_fixed, ..), _)| !is_fixed);
+        self.free_end = entrants.partition_point(|&((is_fixed, ..), _)| !is_fixed);
         self.id.clear();
         self.id.extend(entrants.iter().map(|&((.., id), _)| id));
         self.former.clear();
@@ -154,17 +154,17 @@ impl<V: Space> ParticleStore<V> {
         (entering, altered)
     }
 
-    /// Derives the spatial order from all particles that forces move.
+    /// Derives the spatial order from all free particles.
     fn next_order(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> SpatialOrder {
         let known = || {
             (0..self.len()).filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
-                Some(properties) => (!properties.never_moves()).then_some((self.body[i].position, properties.radius)),
+                Some(properties) => (!properties.is_fixed()).then_some((self.body[i].position, properties.radius)),
                 None => (!self.is_fixed(i)).then_some((self.body[i].position, self.body[i].radius)),
             })
         };
         let new = || {
-            let movable = entering.iter().filter(|entering| !entering.never_moves);
-            movable.map(|entering| (entering.position, entering.radius))
+            let free = entering.iter().filter(|entering| !entering.is_fixed);
+            free.map(|entering| (entering.position, entering.radius))
         };
         let largest = known().chain(new()).map(|(_, radius)| radius).fold(0.0, f64::max);
         SpatialOrder::of(known().chain(new()).map(|(position, _)| position), 2.0 * largest)
@@ -173,12 +173,12 @@ impl<V: Space> ParticleStore<V> {
     /// Returns all particles, in the order of their new slots.
     fn entrants(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<Entrant> {
         let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(number, i)| {
-            let never_moves = altered.get(&i).map_or(self.is_fixed(i), Properties::never_moves);
-            ((never_moves, self.order.place(self.body[i].position), self.id[i]), number)
+            let is_fixed = altered.get(&i).map_or(self.is_fixed(i), Properties::is_fixed);
+            ((is_fixed, self.order.place(self.body[i].position), self.id[i]), number)
         });
         let first = u32::try_from(self.len()).expect("fewer than 2^32 particles");
-        let new = (first..).zip(entering).map(|(number, &Entering { id, never_moves, position, .. })| {
-            ((never_moves, self.order.place(position), id), number)
+        let new = (first..).zip(entering).map(|(number, &Entering { id, is_fixed, position, .. })| {
+            ((is_fixed, self.order.place(position), id), number)
         });
         let mut entrants: Vec<_> = Vec::with_capacity(self.len() + entering.len());
         entrants.extend(known.chain(new));
@@ -218,7 +218,7 @@ impl<V: Space> ParticleStore<V> {
             let Some(properties) = altered.get(&self.former[i].index()) else { continue };
             let before = &self.body[i];
             let is_same = before.radius.total_cmp(&properties.radius).is_eq()
-                && (before.inverse_mass == 0.0) == properties.never_moves();
+                && (before.inverse_mass == 0.0) == properties.is_fixed();
             if !is_same {
                 self.altered.push(Slot::of(i));
             }
@@ -308,7 +308,7 @@ mod tests {
         let new = world.spawn(grain(4)).id();
         world.run_system_once(renumber::<Plane>).unwrap();
         let store = world.resource::<ParticleStore>();
-        assert_eq!((&store.entity[..], store.movable_end), (&[grown, same, new, held][..], 3));
+        assert_eq!((&store.entity[..], store.free_end), (&[grown, same, new, held][..], 3));
         assert_eq!(store.former, [Slot::new(1), Slot::new(3), no_slot, Slot::new(2)]);
         let same_before: Vec<_> = (0..4).map(|i| store.same_before(i)).collect();
         assert_eq!(same_before, [no_slot, Slot::new(3), no_slot, no_slot]);

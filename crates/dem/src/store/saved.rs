@@ -53,7 +53,7 @@ struct SavedStore<V: Space> {
     added_power: Option<f64>,
     lifted: f64,
     is_suspect: bool,
-    movable_end: usize,
+    free_end: usize,
     generation: u64,
     travel: f64,
     kick_sum: Option<V>,
@@ -108,7 +108,7 @@ impl<V: Space> ParticleStore<V> {
             added_power: self.added_power,
             lifted: self.lifted,
             is_suspect: self.is_suspect,
-            movable_end: self.movable_end,
+            free_end: self.free_end,
             generation: self.generation,
             travel: self.travel,
             kick_sum: self.kick_sum,
@@ -122,7 +122,7 @@ impl<V: Space> ParticleStore<V> {
         let spins = if self.inertia.is_some() { rows } else { 0 };
         let has_all = [saved.entity.len(), saved.body.len(), saved.mass.len(), saved.species.len()] == [rows; 4]
             && saved.rotation.len() == spins
-            && saved.movable_end <= rows;
+            && saved.free_end <= rows;
         let loads = &saved.loads;
         // The other lists get their lengths with the next force pass.
         let has_loads = loads.force.fits(rows) && (loads.torque.fits(spins) || loads.torque.is_empty());
@@ -159,7 +159,7 @@ impl<V: Space> ParticleStore<V> {
         }
         (self.half_step, self.lifted, self.is_suspect) = (saved.half_step, saved.lifted, saved.is_suspect);
         (self.added, self.added_power) = (saved.added, saved.added_power);
-        self.movable_end = saved.movable_end;
+        self.free_end = saved.free_end;
         self.smallest_share = smallest_share(&self.body);
         (self.generation, self.travel, self.order) = (saved.generation, saved.travel, saved.order);
         (self.kick_sum, self.spin_kick_sum) = (saved.kick_sum, saved.spin_kick_sum);

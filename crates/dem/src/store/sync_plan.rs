@@ -203,7 +203,7 @@ fn has_hook(hooks: &ComponentHooks) -> bool {
 }
 
 /// The crates of siloflow.
-const OWN_CRATES: [&str; 3] = ["siloflow", "siloflow_kernel", "siloflow_automaton"];
+const OWN_CRATES: [&str; 3] = ["siloflow", "siloflow_dem", "siloflow_lattice"];
 
 /// The crates of Bevy that siloflow depends on, also through others. Their hooks read no mirrored component. Other crates take names that
 /// begin with `bevy_` too.

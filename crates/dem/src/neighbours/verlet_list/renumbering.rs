@@ -115,7 +115,7 @@ mod tests {
         };
         let id = (0u32..).zip(places).filter_map(|(number, _)| GrainId::grain(number)).collect();
         let body = places.iter().map(body).collect();
-        ParticleStore { id, body, former, movable_end: places.len() - fixed, ..ParticleStore::default() }
+        ParticleStore { id, body, former, free_end: places.len() - fixed, ..ParticleStore::default() }
     }
 
     proptest! {

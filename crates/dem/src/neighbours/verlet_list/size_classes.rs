@@ -156,7 +156,7 @@ mod tests {
         ParticleStore {
             id: (0u32..).zip(particles).filter_map(|(number, _)| GrainId::grain(number)).collect(),
             body: particles.iter().map(body).collect(),
-            movable_end: particles.len() - fixed,
+            free_end: particles.len() - fixed,
             periodic: Periodic::new(&sides).filter(|_| is_periodic),
             ..ParticleStore::default()
         }
