@@ -17,14 +17,19 @@
 //! * A particle entered, left, was fixed or freed, or got another radius, mass, species or moment of inertia.
 //! * Every [`SORT_CHECK_INTERVAL`] steps, if more than a tenth of the grains have left that order.
 
+mod access_markers;
 mod accumulator;
 mod component_sync;
 mod consistent;
 mod declared_access;
 mod deferred_kick;
+mod foreign_code;
 mod load_components;
+mod longest_move;
 mod mirror;
+mod mirror_set;
 mod parallel_chunks;
+mod pending_kick;
 mod plugin;
 mod population;
 mod predictable_conditions;
@@ -32,6 +37,7 @@ mod prediction;
 mod renumbering;
 mod reorder;
 mod saved;
+mod sets;
 mod spatial_sort;
 mod sync_plan;
 
@@ -40,27 +46,32 @@ use std::ops::Range;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+pub use self::access_markers::PlainCommands;
+pub(crate) use self::access_markers::{OwnObserver, ReadsMotion, ReadsPlaces};
 pub use self::accumulator::{Accumulator, TOTAL_AND_DISSIPATIVE};
 pub(crate) use self::accumulator::{TOTAL, kick_term};
 pub use self::component_sync::{collect_from_world, complete_world, plan, publish_to_world, refresh_world, uses_loads};
+pub(crate) use self::deferred_kick::add_second_kick;
 pub use self::deferred_kick::{
     AfterDeferredKick, DeferredKick, EngineBalance, EngineChecks, KickAppliedAtEnd, SecondKicks, after_kicks,
     reads_velocities_when,
 };
-pub(crate) use self::deferred_kick::{PendingKick, add_second_kick};
-pub(crate) use self::mirror::MirrorSet;
+pub use self::foreign_code::path_in_siloflow;
+pub(crate) use self::longest_move::LongestMove;
+pub(crate) use self::mirror_set::MirrorSet;
 pub use self::parallel_chunks::CHUNK;
 pub(crate) use self::parallel_chunks::ChunkedPass;
-pub(crate) use self::plugin::{DENSE, Kicked, LongestMove, VelocitiesPredicted};
-pub use self::plugin::{SpinsDrifted, StorePlugin, clear_forces};
+pub(crate) use self::pending_kick::PendingKick;
+pub use self::plugin::{StorePlugin, clear_forces};
 pub use self::predictable_conditions::register_predictable;
 pub use self::prediction::Prediction;
 pub(crate) use self::prediction::swept_radius;
 pub use self::renumbering::{AfterRenumbering, BeforeRenumbering, FirstRenumbering, Renumber, SORT_CHECK_INTERVAL};
 pub(crate) use self::renumbering::{has_renumbered, sort_check_is_due};
+pub use self::sets::SpinsDrifted;
+pub(crate) use self::sets::{Kicked, VelocitiesPredicted};
 pub(crate) use self::spatial_sort::SpatialOrder;
-pub(crate) use self::sync_plan::{OwnObserver, Plan, ReadsMotion, ReadsPlaces};
-pub use self::sync_plan::{PlainCommands, path_in_siloflow};
+pub(crate) use self::sync_plan::Plan;
 use crate::displacement_trigger::TravelMeter;
 pub use crate::particle::Slot;
 use crate::particle::{GrainId, Species};

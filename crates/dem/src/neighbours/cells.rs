@@ -16,8 +16,8 @@
 //!
 //! Cell numbers are kept modulo 2^32, in 32 bits. So a search may also find a particle 2^32 cells away, which is too far to touch.
 
-use crate::neighbours::contact_range;
 use crate::neighbours::list::PairList;
+use crate::neighbours::range::contact_range;
 use crate::outcome::Failure;
 use crate::periodic::Periodic;
 use crate::space::Space;

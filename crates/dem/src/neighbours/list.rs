@@ -124,6 +124,12 @@ impl PairList {
         }
     }
 
+    /// Marks the pairs that contain a chosen particle, and no others.
+    pub fn mark(&mut self, chosen: Chosen<'_>) {
+        let copies = self.tasks.iter_mut().map(|task| &mut task.incoming[..]);
+        self.marks.mark(self.version, &mut self.pairs, copies, chosen);
+    }
+
     /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows.
     pub(crate) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
         self.version += 1;

@@ -18,11 +18,14 @@ use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step};
 use crate::store::ParticleStore;
+use crate::store::access_markers::{ReadsMotion, ReadsPlaces};
 use crate::store::deferred_kick::apply_pending_kick;
+use crate::store::foreign_code::ForeignObservers;
 use crate::store::load_components::{AddLoads, add_loads};
-use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
+use crate::store::mirror::{Refresh, WriteBack};
+use crate::store::mirror_set::MirrorSet;
 use crate::store::predictable_conditions::PredictableConditions;
-use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
+use crate::store::sync_plan::Plan;
 use siloflow_text::fault::Fault;
 
 /// Mirrored components that the systems of phase number `phase` read and may write in this step.

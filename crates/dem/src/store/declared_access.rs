@@ -12,8 +12,8 @@ use crate::space::Space;
 use crate::spin::{Spin, Torque};
 use crate::step::{Part, Phase};
 use crate::store::ParticleStore;
-use crate::store::mirror::MirrorSet;
-use crate::store::sync_plan::{Need, PlainCommands, ReadsMotion, ReadsPlaces};
+use crate::store::access_markers::{PlainCommands, ReadsMotion, ReadsPlaces};
+use crate::store::mirror_set::MirrorSet;
 use siloflow_text::fault::Fault;
 
 fn no_phase_fault(system: &str) -> Fault {
@@ -27,6 +27,17 @@ fn engine_fault(system: &str) -> Fault {
         format!("the system `{system}` uses components in a part of the step that works on the particle store");
     Fault::new("behaviour::engine", message)
         .help("put it into a `Phase`; a system that adds a force belongs in `ForceStage::Added`")
+}
+
+/// The component use of systems that share their gates.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Need {
+    pub(super) reads: MirrorSet,
+    pub(super) writes: MirrorSet,
+    /// Whether the systems use velocities and spins of grains, as components or in the store.
+    pub(super) reads_motion: bool,
+    /// The numbers of the gates: the systems run only if all are open.
+    pub(super) gates: Vec<usize>,
 }
 
 /// All sets that contain a system.

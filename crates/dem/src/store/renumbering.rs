@@ -13,6 +13,7 @@ use crate::step::{Clock, Part, Phase, Step, serial};
 use crate::store::ParticleStore;
 use crate::store::population::Population;
 use crate::store::reorder::EntityRow;
+use crate::store::sets::KicksApplied;
 
 impl<V: Space> ParticleStore<V> {
     /// The previous slot of the particle in row `i`; the default slot if the particle had none or was altered.
@@ -67,10 +68,6 @@ pub(super) fn renumber<V: Space>(
 /// the renumbering, then systems that update data by slot ([`AfterRenumbering`]).
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Renumber;
-
-/// The set of [`Renumber`] that applies a pending kick. After it, velocities belong to the step's end.
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct KicksApplied;
 
 /// Systems of [`Renumber`] that need the store before slots are assigned anew.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]

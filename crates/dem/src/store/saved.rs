@@ -13,9 +13,11 @@ use serde::{Deserialize, Serialize};
 use crate::particle::{GrainId, Slot, Species};
 use crate::persist::{EntityNumbers, PersistApp as _, PersistWith as _, Problem, SavedEntities, encode, numbers};
 use crate::space::Space;
+use crate::store::mirror_set::MirrorSet;
 use crate::store::population::Population;
 use crate::store::reorder::smallest_share;
-use crate::store::{Body, Loads, MirrorSet, ParticleStore, Rotation, SpatialOrder, consistent};
+use crate::store::spatial_sort::SpatialOrder;
+use crate::store::{Body, Loads, ParticleStore, Rotation, consistent};
 
 /// A body without its velocity in the middle of the step.
 #[derive(Clone, Copy, Deserialize, Serialize)]

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use crate::neighbours::list::{Candidate, PairList};
+use crate::neighbours::candidate::Candidate;
 
 /// State of the marks of a list.
 #[derive(Debug, Default)]
@@ -26,27 +26,28 @@ pub struct Chosen<'a> {
     pub version: u64,
 }
 
-impl PairList {
-    /// Marks the pairs that contain a chosen particle, and no others.
-    pub fn mark(&mut self, chosen: Chosen<'_>) {
-        let now = (self.version, chosen.version);
-        let before = std::mem::replace(&mut self.marks.marked_at, now);
+impl Marks {
+    /// Marks the pairs that contain a chosen particle, and no others. `version` is that of the list with these `pairs`, and `copies`
+    /// are the copies of some of them in its tasks.
+    pub(super) fn mark<'a>(
+        &mut self,
+        version: u64,
+        pairs: &'a mut [Candidate],
+        copies: impl Iterator<Item = &'a mut [Candidate]>,
+        chosen: Chosen<'_>,
+    ) {
+        let now = (version, chosen.version);
+        let before = std::mem::replace(&mut self.marked_at, now);
         if before == now {
             return;
         }
         if before == (now.0, now.1.wrapping_sub(1)) {
-            let span = self.marks.span;
-            self.all_mut().for_each(|pairs| mark_near(pairs, span, chosen));
+            let span = self.span;
+            std::iter::once(pairs).chain(copies).for_each(|pairs| mark_near(pairs, span, chosen));
         } else {
-            self.marks.span = self.pairs.iter().map(|pair| pair.second() - pair.first()).max().unwrap_or(0);
-            self.all_mut().for_each(|pairs| mark_all(pairs, chosen));
+            self.span = pairs.iter().map(|pair| pair.second() - pair.first()).max().unwrap_or(0);
+            std::iter::once(pairs).chain(copies).for_each(|pairs| mark_all(pairs, chosen));
         }
-    }
-
-    /// Returns the pairs of the list and the copies of some of them in its tasks.
-    fn all_mut(&mut self) -> impl Iterator<Item = &mut [Candidate]> {
-        let incoming = self.tasks.iter_mut().map(|task| &mut task.incoming[..]);
-        std::iter::once(&mut self.pairs[..]).chain(incoming)
     }
 }
 
@@ -82,6 +83,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::neighbours::list::PairList;
 
     /// Returns the marked pairs of a list and of its tasks.
     fn marked(list: &PairList) -> Vec<Vec<[usize; 2]>> {
