@@ -266,7 +266,8 @@ impl<V: Space> Plugin for DoorPlugin<V> {
                 if progress.len() != door.doors.len() {
                     return Err("the checkpoint has another number of doors".into());
                 }
-                (door.progress, door.sliding) = (progress, sliding);
+                door.progress = progress;
+                door.sliding = sliding;
                 Ok(())
             },
         );

@@ -116,7 +116,8 @@ fn watch_paths<V: Space>(
         return;
     }
     let times = [states.checked_at, clock.time()];
-    (states.checked_at, states.wall_travel) = (clock.time(), walls.travel());
+    states.checked_at = clock.time();
+    states.wall_travel = walls.travel();
     let mut longest = 0.0f64;
     let mut lowest = f64::INFINITY;
     let limit_squared = (0.25 * enclosure.smallest_radius).powi(2);

@@ -143,7 +143,8 @@ impl<V: Space> Sampler<V> {
         if saved.bins.len() != self.bins.len() {
             return Err("the number of bins differs".to_owned());
         }
-        (self.bins, self.samples) = (saved.bins, saved.samples);
+        self.bins = saved.bins;
+        self.samples = saved.samples;
         Ok(())
     }
 

@@ -86,8 +86,15 @@ use crate::spin::InertiaLaw;
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// Velocity, m/s: v(t+dt/2), or the prediction of the scheme, while forces are evaluated; v(t) after [`Phase::Kick`](crate::step::Phase::Kick). If
-    /// the kick is deferred, it becomes v(t) only when a system reads velocities (`store/deferred_kick.rs`).
+    /// Velocity, m/s. Its time depends on the scheme and on the place in the step:
+    /// * From the kick of a step to the drift of the next one it is v(t), at the same time as the position.
+    /// * From the drift to the kick it is, in velocity Verlet, that in the middle of the step, v(t+dt/2). In the Euler schemes, which
+    ///   have no kick, it is already v(t+dt).
+    /// * From the drift to the kick it is, in the centred scheme, predicted for the end of the step. The one in the middle of the step is
+    ///   beside it ([`ParticleStore::middle_velocity`]).
+    ///
+    /// A kick that is deferred (`store/deferred_kick.rs`) lets the second or third meaning last until a system reads velocities, or until
+    /// the next drift, which makes that kick.
     pub velocity: V,
     /// Radius, m.
     pub radius: f64,

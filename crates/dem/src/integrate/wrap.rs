@@ -45,7 +45,8 @@ impl<V: Space> Plugin for PeriodicPlugin<V> {
         let gravity = app.world().resource::<Gravity<V>>().0;
         let tracks_lift = self.tracks_energy && self.periodic.lifts(gravity);
         let mut store = app.world_mut().resource_mut::<ParticleStore<V>>();
-        (store.periodic, store.wraps_after_drift) = (Some(self.periodic), tracks_lift);
+        store.periodic = Some(self.periodic);
+        store.wraps_after_drift = tracks_lift;
         if tracks_lift {
             // Otherwise the drift wraps positions.
             let wrap = wrap_and_lift::<V>.in_set(Part::Engine(Phase::Drift)).in_set(Wrapped);

@@ -98,10 +98,12 @@ impl<V: Space> Mirror<V> for Torque<V::Spin> {
     }
 }
 
-type RefreshQueries<'w, 's, C> = (
-    Query<'w, 's, (&'static Slot, &'static mut C), Without<Fixed>>,
-    Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
-);
+/// A mirrored component of free and of fixed particles.
+#[derive(SystemParam)]
+struct RefreshQueries<'w, 's, C: Component<Mutability = Mutable>> {
+    free: Query<'w, 's, (&'static Slot, &'static mut C), Without<Fixed>>,
+    fixed: Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
+}
 
 /// System parameter for the refresh: the store and all mirrored components.
 #[derive(SystemParam)]
@@ -132,14 +134,14 @@ impl<V: Space> Refresh<'_, '_, V> {
 fn refresh_component<V: Space, C: Mirror<V>>(
     store: &ParticleStore<V>,
     due: MirrorSet,
-    (free, fixed): &mut RefreshQueries<'_, '_, C>,
+    rows: &mut RefreshQueries<'_, '_, C>,
 ) {
     let due = due.and(C::KIND);
     if due.meets(MirrorSet::FREE) {
-        refresh_rows(store, free);
+        refresh_rows(store, &mut rows.free);
     }
     if due.meets(MirrorSet::FIXED) {
-        refresh_rows(store, fixed);
+        refresh_rows(store, &mut rows.fixed);
     }
 }
 

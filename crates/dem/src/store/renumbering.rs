@@ -55,8 +55,10 @@ pub(crate) fn sort_check_is_due(clock: Res<Clock>) -> bool {
 /// Assigns slots anew.
 pub(super) fn renumber<V: Space>(
     mut store: ResMut<ParticleStore<V>>,
-    (mut population, mut count): (ResMut<Population>, ResMut<Renumberings>),
-    (particles, mut slots): (Query<EntityRow<V>>, Query<&mut Slot>),
+    mut population: ResMut<Population>,
+    mut count: ResMut<Renumberings>,
+    particles: Query<EntityRow<V>>,
+    mut slots: Query<&mut Slot>,
     gravity: Option<Res<Gravity<V>>>,
 ) {
     let gravity = gravity.map_or(V::ZERO, |gravity| gravity.0);

@@ -73,7 +73,8 @@ impl Plan {
             let count = components.len();
             let has_hooks = have_foreign_hooks(components);
             let mut plan = world.resource_mut::<Self>();
-            (plan.searched_components, plan.has_hooks) = (count, has_hooks);
+            plan.searched_components = count;
+            plan.has_hooks = has_hooks;
         }
         world.resource::<Self>().has_hooks || observers.iter(world).next().is_some()
     }

@@ -9,10 +9,19 @@ use crate::neighbours::candidate::Candidate;
 /// State of the marks of a list.
 #[derive(Debug, Default)]
 pub(super) struct Marks {
-    /// Version of the list and of the choice when pairs were last marked.
-    marked_at: (u64, u64),
+    /// When pairs were last marked.
+    marked_at: Versions,
     /// The largest difference of the slots of a candidate.
     span: usize,
+}
+
+/// Numbers of changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Versions {
+    /// Changes of the list.
+    list: u64,
+    /// Changes of the choice.
+    choice: u64,
 }
 
 /// The particles whose pairs are marked.
@@ -36,12 +45,12 @@ impl Marks {
         copies: impl Iterator<Item = &'a mut [Candidate]>,
         chosen: Chosen<'_>,
     ) {
-        let now = (version, chosen.version);
+        let now = Versions { list: version, choice: chosen.version };
         let before = std::mem::replace(&mut self.marked_at, now);
         if before == now {
             return;
         }
-        if before == (now.0, now.1.wrapping_sub(1)) {
+        if before == (Versions { choice: now.choice.wrapping_sub(1), ..now }) {
             let span = self.span;
             std::iter::once(pairs).chain(copies).for_each(|pairs| mark_near(pairs, span, chosen));
         } else {
