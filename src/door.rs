@@ -159,7 +159,8 @@ fn is_due(opens: &DoorOpens, turns: usize, clock: &Clock, is_at_rest: bool) -> b
 fn open_or_shut<V: Space>(
     mut commands: Commands,
     clock: Res<Clock>,
-    (mut state, mut walls): (ResMut<DoorState>, ResMut<Surfaces<V>>),
+    mut state: ResMut<DoorState>,
+    mut walls: ResMut<Surfaces<V>>,
     mut at_rest: MessageReader<CameToRest>,
     mut opened: MessageWriter<DoorOpened>,
     parts: Query<(Entity, &Door)>,

@@ -118,8 +118,11 @@ impl DissipationError<'_> {
 
 /// Sets whether the force pass of this step sums dissipation. The first pass of a run does.
 pub(super) fn choose<V: Space>(
-    (clock, sampling, flows): (Res<Clock>, Res<Sampling>, Res<EnergyFlows>),
-    (walls, error): (Res<Surfaces<V>>, DissipationError),
+    clock: Res<Clock>,
+    sampling: Res<Sampling>,
+    flows: Res<EnergyFlows>,
+    walls: Res<Surfaces<V>>,
+    error: DissipationError,
     mut activity: ResMut<Activity>,
     mut store: ResMut<ParticleStore<V>>,
 ) {
@@ -137,7 +140,8 @@ pub(super) fn choose<V: Space>(
 /// Notes how much contacts have changed in this step.
 pub(super) fn note_contacts<V: Space>(
     sampling: Res<Sampling>,
-    (store, history): (Res<ParticleStore<V>>, Option<Res<History<V>>>),
+    store: Res<ParticleStore<V>>,
+    history: Option<Res<History<V>>>,
     mut activity: ResMut<Activity>,
 ) {
     if sampling.block(store.integrated_rows().len()) == 1 {

@@ -91,7 +91,8 @@ fn dissipation<V: Space>(store: &ParticleStore<V>, walls: &Surfaces<V>) -> Optio
 
 /// Adds the work of normal and tangential dashpots and of moving walls.
 pub(super) fn add_contact_work<V: Space>(
-    (clock, activity): (Res<Clock>, Res<Activity>),
+    clock: Res<Clock>,
+    activity: Res<Activity>,
     store: Res<ParticleStore<V>>,
     walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
@@ -130,7 +131,8 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
 
 /// Adds the losses of friction and rolling resistance.
 pub(super) fn add_friction_loss<V: Space>(
-    (clock, activity): (Res<Clock>, Res<Activity>),
+    clock: Res<Clock>,
+    activity: Res<Activity>,
     store: Res<ParticleStore<V>>,
     history: Res<History<V>>,
     mut flows: ResMut<EnergyFlows>,
