@@ -159,7 +159,8 @@ fn is_due(opens: &DoorOpens, turns: usize, clock: &Clock, is_at_rest: bool) -> b
 fn open_or_shut<V: Space>(
     mut commands: Commands,
     clock: Res<Clock>,
-    (mut state, mut walls): (ResMut<DoorState>, ResMut<Surfaces<V>>),
+    mut state: ResMut<DoorState>,
+    mut walls: ResMut<Surfaces<V>>,
     mut at_rest: MessageReader<CameToRest>,
     mut opened: MessageWriter<DoorOpened>,
     parts: Query<(Entity, &Door)>,
@@ -217,7 +218,7 @@ fn slide_path(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
     (direction, flank - last + radius)
 }
 
-/// Filter: wall grains of the door. It is disjoint from all movable particles.
+/// Filter: wall grains of the door. It is disjoint from all free particles.
 type DoorGrain = (With<Door>, With<Fixed>);
 
 fn slide(clock: Res<Clock>, mut state: ResMut<DoorState>, mut door: Query<(&mut Position, &mut Velocity), DoorGrain>) {
@@ -266,7 +267,8 @@ impl<V: Space> Plugin for DoorPlugin<V> {
                 if progress.len() != door.doors.len() {
                     return Err("the checkpoint has another number of doors".into());
                 }
-                (door.progress, door.sliding) = (progress, sliding);
+                door.progress = progress;
+                door.sliding = sliding;
                 Ok(())
             },
         );

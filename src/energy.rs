@@ -20,8 +20,31 @@
 //! of tangential dashpots is force times sliding velocity times dt, with the velocity used for the force. It differs
 //! from the total by an error of the scheme's own order, about c v^2 dt/4 for each contact in plain velocity Verlet.
 //!
-//! `energy_flows` adds the energy of entering and leaving particles, `work` adds work. With `energy_balance: false` a
-//! scene has no energy balance: no plugin of this file, no resource, and no memory in the store.
+//! With `energy_balance: false` a scene has no energy balance: no plugin of this file, no resource, and no memory in the store.
+//!
+//! # Parts
+//!
+//! The left side of the balance is measured when an output or the watchdog needs it. The right side is summed in every step. The force pass
+//! and the kicks of `siloflow_dem` sum the powers while they have the numbers at hand, so that the balance needs no pass of its own.
+//!
+//! | term | numbers of a step | added to [`EnergyFlows`] by |
+//! |---|---|---|
+//! | kinetic, gravitational, elastic | | not summed: [`Totals`](crate::measure::totals::Totals), `ending::watchdog`; elastic energy of a contact: `PairLaw::elastic_energy` |
+//! | released, removed | | `energy_flows`, at a renumbering; of walls that leave: [`LeavingWallsEnergyPlugin`] |
+//! | work of moving walls | forces on fixed particles (`Loads`) and on walls (`walls::surfaces`, `with_loads`) | `work::add_contact_work` |
+//! | lifted | `ParticleStore::lifted`, by `integrate::wrap` | `work::add_lifted_energy` ([`LiftPlugin`]) |
+//! | work of added forces | `ParticleStore::added_power`, by `store/component_sync.rs` | `work::add_behaviour_work` ([`AddedWorkPlugin`]) |
+//! | dissipated by normal and tangential dashpots | the dissipative half of each `Accumulator`, by the force pass; `ParticleStore::kick_sum`, by the kick or drift (`integrate/verlet.rs`) | `work::add_contact_work` |
+//! | dissipated by torques of dashpots | `ParticleStore::spin_kick_sum` (`integrate/rotation.rs`), `Loads::rolling_drag` | `work::add_friction_loss` ([`SpinEnergyPlugin`]) |
+//! | dissipated by sliding, rolling and breaking | `ContactLosses` of the contact history | `work::add_friction_loss` |
+//!
+//! | file | content |
+//! |---|---|
+//! | `sampling` | which steps sum dissipation, and the standard error of their sum ([`ParticleStore::track_energy`] switches the force pass) |
+//! | `activity` | how many contacts begin or end in a step, which decides about further samples |
+//! | `sampled_sum` | the time integral of a power that some steps measure |
+//! | `store/deferred_kick.rs` | when the sums of a step are complete: a deferred kick completes them in the next drift ([`after_kicks`], [`EngineBalance`]) |
+//! | `output::series`, `output::summary`, `ending::finite` | read the balance |
 //!
 //! Limit: if a behaviour fixes or frees a grain, the grain's kinetic energy leaves or enters the balance and appears as
 //! error. The work of a fixed grain that spins appears as error too.

@@ -27,6 +27,7 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use serde::{Deserialize, Serialize};
 
 use self::cull::CullLine;
@@ -103,20 +104,32 @@ fn reorder_states<V: Space>(
     states.checked_positions = (0..store.len()).map(position).collect();
 }
 
+/// Lines and faces that a grain leaves through or passes when it is lost.
+#[derive(SystemParam)]
+struct Boundaries<'w, V: Space> {
+    enclosure: Res<'w, Enclosure<V>>,
+    doors: Option<Res<'w, DoorState>>,
+    walls: Res<'w, Surfaces<V>>,
+    cull: Option<Res<'w, CullLine>>,
+}
+
 /// Checks the paths of all grains that have moved far enough, and reports grains that are out or lost.
 fn watch_paths<V: Space>(
-    (clock, enclosure, particles): (Res<Clock>, Res<Enclosure<V>>, Particles<V>),
-    (doors, walls, cull): (Option<Res<DoorState>>, Res<Surfaces<V>>, Option<Res<CullLine>>),
+    clock: Res<Clock>,
+    particles: Particles<V>,
+    boundaries: Boundaries<V>,
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut states: ResMut<GrainStates<V>>,
     mut trigger: ResMut<PathTrigger>,
 ) {
+    let Boundaries { enclosure, doors, walls, cull } = boundaries;
     if !trigger.0.has_fired(particles.travel_meter(), walls.travel() - states.wall_travel) {
         return;
     }
     let times = [states.checked_at, clock.time()];
-    (states.checked_at, states.wall_travel) = (clock.time(), walls.travel());
+    states.checked_at = clock.time();
+    states.wall_travel = walls.travel();
     let mut longest = 0.0f64;
     let mut lowest = f64::INFINITY;
     let limit_squared = (0.25 * enclosure.smallest_radius).powi(2);

@@ -48,7 +48,7 @@ use siloflow_dem::walls::surfaces::LeavingWallsPlugin;
 use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Adds the end by a clog. If several are asked for, the first to hold is the one of the shortest time.
-fn add_clog<V: Space>(app: &mut Assembly, loaded: &Loaded, conditions: &[StopCondition], space: PhantomData<V>) {
+fn add_end_by_clog<V: Space>(app: &mut Assembly, loaded: &Loaded, conditions: &[StopCondition], space: PhantomData<V>) {
     let clogs = conditions.iter().filter_map(|condition| match condition {
         StopCondition::Clogged { still } => Some(still.get()),
         _ => None,
@@ -85,7 +85,7 @@ pub(crate) fn add_all<V: Engine>(
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
     let conditions = scene.stop_conditions();
-    add_clog(app, loaded, &conditions, space);
+    add_end_by_clog(app, loaded, &conditions, space);
     if let Some(kick) = scene.kick {
         app.add("kick", KickPlugin { kick, boxes: loaded.outlets(), space });
     }

@@ -24,7 +24,7 @@ use crate::output::pictures::PicturesPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_path::RunPath;
 use crate::output::series::SeriesPlugin;
-use crate::output::summary::{Cost, Energy, Summary, movable_grains};
+use crate::output::summary::{Cost, Energy, Summary, free_grains};
 use crate::output::wall_bands::WallBandsPlugin;
 use crate::output::walls::WallForcesPlugin;
 use crate::scene::TimeStep;
@@ -78,7 +78,7 @@ impl Method for Loaded {
     }
 
     fn updates(&self, world: &World, before: u64) -> u64 {
-        before + movable_grains(world) as u64
+        before + free_grains(world) as u64
     }
 
     fn line(&self, world: &World, pace: Pace) -> String {
@@ -254,7 +254,7 @@ fn line(world: &World, until: f64, pace: Pace) -> String {
 /// Kinetic energy of translation, J, from velocities that may be half a step old.
 fn kinetic<V: Space>(world: &World) -> f64 {
     let columns = world.resource::<ParticleStore<V>>();
-    (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()
+    columns.integrated_rows().map(|i| columns.kinetic_energy(i)).sum()
 }
 
 fn words(summary: &Summary) -> String {

@@ -57,7 +57,7 @@ fn is_still(
     avalanches: Option<&Avalanches>,
     still: f64,
 ) -> bool {
-    let last_out = ledger.departures.ends().map(|(_, last)| last);
+    let last_out = ledger.departures.last();
     let kick = avalanches.and_then(|avalanches| avalanches.kick_end);
     let open = door.and_then(DoorState::open_time);
     open.is_some_and(|open| clock.has_reached(last_out.into_iter().chain(kick).fold(open, f64::max) + still))

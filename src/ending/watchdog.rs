@@ -138,7 +138,7 @@ impl Energies {
     fn of<V: Space>(survey: &Survey<V>, gravity: V, uncertain: f64) -> Self {
         let store = survey.store;
         let mut held = Self { elastic: survey.elastic_energy(|_, _| true), uncertain, ..Self::default() };
-        for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
+        for i in store.integrated_rows() {
             let body = &store.body[i];
             let fall = store.mass[i] * gravity.dot(body.position);
             held.kinetic += 0.5 * store.mass[i] * body.velocity.length_squared() + store.rotational_energy(i);
@@ -231,7 +231,7 @@ fn round_off<V: Space>(survey: &Survey<V>, steps: u64) -> f64 {
         });
         Some(0.5 * reduced_mass * speed * speed).filter(|energy| energy.is_finite()).unwrap_or(0.0)
     };
-    let all: f64 = (0..store.movable_end).filter(|&i| !store.is_fixed(i)).map(in_a_step).sum();
+    let all: f64 = store.integrated_rows().map(in_a_step).sum();
     #[expect(clippy::cast_precision_loss, reason = "2^53 steps are out of reach")]
     let steps = steps as f64 + 1.0;
     steps * MOST_CONTACTS * all
@@ -240,8 +240,7 @@ fn round_off<V: Space>(survey: &Survey<V>, steps: u64) -> f64 {
 /// Returns the failure; `None` if no grain is left.
 fn energy_failure<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_in_j: f64) -> Option<Failure> {
     let store = survey.store;
-    let movable = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
-    let fastest = movable.max_by(|&a, &b| {
+    let fastest = store.integrated_rows().max_by(|&a, &b| {
         let speed = |i: usize| store.body[i].velocity.length_squared();
         speed(a).total_cmp(&speed(b))
     })?;

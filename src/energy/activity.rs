@@ -53,7 +53,7 @@ pub(super) struct Activity {
 }
 
 impl Activity {
-    /// Whether nothing is known.
+    /// Whether no step has been noted.
     pub fn is_empty(&self) -> bool {
         self.counts.is_empty()
     }
@@ -63,7 +63,7 @@ impl Activity {
         Weight { activity: self.last, missing: if self.are_centred { 0.5 } else { 0.0 } }
     }
 
-    /// Whether so many grains have few contacts.
+    /// Whether there are few contacts for this number of grains: fewer than [`DILUTE`] each.
     pub fn is_dilute(&self, grains: usize) -> bool {
         #[expect(clippy::cast_precision_loss, reason = "a number of grains")]
         let few = DILUTE * grains as f64;
@@ -93,7 +93,9 @@ impl Activity {
         } else {
             (contacts - total(before)).abs()
         };
-        (self.generation, self.contacts, self.are_centred) = (generation, contacts, are_centred);
+        self.generation = generation;
+        self.contacts = contacts;
+        self.are_centred = are_centred;
         // A jump of a wall changes its contacts far more than they change in the steps before.
         self.last = changed + contacts * if self.has_jumped { 1.0 / LASTING } else { LASTING };
         // Numbers of independent events spread by their root: six standard deviations, and some more where they are few.

@@ -27,7 +27,7 @@ pub(super) fn add_removed_energy<V: Space>(
         return;
     }
     let is_gone = |i: usize| !store.is_present(i);
-    for i in (0..store.movable_end).filter(|&i| is_gone(i)) {
+    for i in store.integrated_rows().filter(|&i| is_gone(i)) {
         flows.removed += mechanical(store.mass[i], store.body[i].position, store.body[i].velocity, gravity.0);
         flows.removed += store.rotational_energy(i);
     }

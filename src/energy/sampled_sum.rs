@@ -68,6 +68,14 @@ struct Passed {
     moments: [f64; 3],
 }
 
+/// The age of the activity that has passed since a sample.
+struct Age {
+    /// Its mean, steps.
+    mean: f64,
+    /// Its variance, squares of a step.
+    variance: f64,
+}
+
 impl Passed {
     /// Adds a step with this activity.
     fn add(&mut self, activity: f64) {
@@ -76,15 +84,15 @@ impl Passed {
         self.moments = [sum + activity, first + sum, second + 2.0 * first + sum];
     }
 
-    /// Returns the mean age of the activity, steps, and its variance with half a step on both sides.
-    fn age(&self) -> (f64, f64) {
+    /// Returns the age of the activity since the sample. Without activity each step since the sample counts alike.
+    fn age(&self) -> Age {
         let [sum, first, second] = self.moments;
         let steps = f64::from(self.steps);
         if sum > 0.0 {
             let mean = first / sum;
-            (mean, (second / sum - mean * mean).max(0.0))
+            Age { mean, variance: (second / sum - mean * mean).max(0.0) }
         } else {
-            (0.5 * (steps - 1.0), (steps * steps - 1.0) / 12.0)
+            Age { mean: 0.5 * (steps - 1.0), variance: (steps * steps - 1.0) / 12.0 }
         }
     }
 }
@@ -119,7 +127,7 @@ impl SampledSum {
         let last = std::mem::replace(&mut self.last, value);
         let steps = f64::from(passed.steps);
         let change = dt * (value - last);
-        let (age, spread) = passed.age();
+        let Age { mean: age, variance: spread } = passed.age();
         let mut correction = 0.0;
         if passed.steps > 1 {
             self.variance += change * change * variance(steps, spread);

@@ -118,16 +118,20 @@ impl DissipationError<'_> {
 
 /// Sets whether the force pass of this step sums dissipation. The first pass of a run does.
 pub(super) fn choose<V: Space>(
-    (clock, sampling, flows): (Res<Clock>, Res<Sampling>, Res<EnergyFlows>),
-    (walls, error): (Res<Surfaces<V>>, DissipationError),
+    clock: Res<Clock>,
+    sampling: Res<Sampling>,
+    flows: Res<EnergyFlows>,
+    walls: Res<Surfaces<V>>,
+    error: DissipationError,
     mut activity: ResMut<Activity>,
     mut store: ResMut<ParticleStore<V>>,
 ) {
-    let block = sampling.block(store.movable_end);
-    let mut is_due = clock.is_step_zero() || sampling.is_due(clock.steps, store.movable_end);
+    let grains = store.integrated_rows().len();
+    let block = sampling.block(grains);
+    let mut is_due = clock.is_step_zero() || sampling.is_due(clock.steps, grains);
     if block > 1 {
         let is_demanded = activity.take_demand();
-        is_due |= activity.compare(&walls) || is_demanded || activity.is_dilute(store.movable_end);
+        is_due |= activity.compare(&walls) || is_demanded || activity.is_dilute(grains);
         is_due |= error.ahead(f64::from(block)) > SHARE * flows.dissipated;
     }
     store.track_energy(is_due);
@@ -136,10 +140,11 @@ pub(super) fn choose<V: Space>(
 /// Notes how much contacts have changed in this step.
 pub(super) fn note_contacts<V: Space>(
     sampling: Res<Sampling>,
-    (store, history): (Res<ParticleStore<V>>, Option<Res<History<V>>>),
+    store: Res<ParticleStore<V>>,
+    history: Option<Res<History<V>>>,
     mut activity: ResMut<Activity>,
 ) {
-    if sampling.block(store.movable_end) == 1 {
+    if sampling.block(store.integrated_rows().len()) == 1 {
         if !activity.is_empty() {
             *activity = Activity::default();
         }

@@ -74,8 +74,8 @@ fn dissipation<V: Space>(store: &ParticleStore<V>, walls: &Surfaces<V>) -> Optio
     if !store.tracks_energy {
         return None;
     }
-    let (force, on_fixed) = store.loads.force.entries().split_at(store.movable_end);
-    let (body, fixed) = store.body.split_at(store.movable_end);
+    let (force, on_fixed) = store.loads.force.entries().split_at(store.free_end);
+    let (body, fixed) = store.body.split_at(store.free_end);
     // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
     let of_grains = store.kick_sum.unwrap_or_else(|| power_by_chunks(force, body, |body| body.velocity));
     let mut dissipation = -of_grains.sum_of_components();
@@ -91,15 +91,15 @@ fn dissipation<V: Space>(store: &ParticleStore<V>, walls: &Surfaces<V>) -> Optio
 
 /// Adds the work of normal and tangential dashpots and of moving walls.
 pub(super) fn add_contact_work<V: Space>(
-    (clock, activity): (Res<Clock>, Res<Activity>),
+    clock: Res<Clock>,
+    activity: Res<Activity>,
     store: Res<ParticleStore<V>>,
     walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
     let mut wall = 0.0;
-    for (i, body) in store.body.iter().enumerate().skip(store.movable_end).filter(|(_, body)| body.velocity != V::ZERO)
-    {
+    for (i, body) in store.body.iter().enumerate().skip(store.free_end).filter(|(_, body)| body.velocity != V::ZERO) {
         let added = store.added.get(i).copied().unwrap_or(V::ZERO);
         wall -= (store.loads.force.of(i) - added).dot(body.velocity);
     }
@@ -120,8 +120,8 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
     if !store.tracks_energy {
         return None;
     }
-    let (torque, on_fixed) = store.loads.torque.entries().split_at(store.movable_end);
-    let (rotation, fixed) = store.rotation.split_at(store.movable_end);
+    let (torque, on_fixed) = store.loads.torque.entries().split_at(store.free_end);
+    let (rotation, fixed) = store.rotation.split_at(store.free_end);
     // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
     let of_grains = store.spin_kick_sum.unwrap_or_else(|| power_by_chunks(torque, rotation, |rotation| rotation.spin));
     let turning = -(of_grains + power(on_fixed, fixed, |rotation| rotation.spin)).sum_of_components();
@@ -131,7 +131,8 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
 
 /// Adds the losses of friction and rolling resistance.
 pub(super) fn add_friction_loss<V: Space>(
-    (clock, activity): (Res<Clock>, Res<Activity>),
+    clock: Res<Clock>,
+    activity: Res<Activity>,
     store: Res<ParticleStore<V>>,
     history: Res<History<V>>,
     mut flows: ResMut<EnergyFlows>,

@@ -175,7 +175,8 @@ fn feed<V: Space>(
     mut figures: ResMut<FeedFigures>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
-    (clock, walls): (Res<Clock>, Res<Surfaces<V>>),
+    clock: Res<Clock>,
+    walls: Res<Surfaces<V>>,
 ) {
     let Feeds { inlets, next_id } = &mut *feeds;
     // Grains of this step have no row yet.

@@ -18,7 +18,7 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::occupied::Occupied;
-use crate::grains::spawner::RadiusLaw;
+use crate::grains::spawner::{GrainSize, RadiusLaw};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
 use siloflow_dem::space::{Dimension, Solid};
@@ -82,6 +82,15 @@ pub struct FixedGrain {
     pub velocity: Solid,
     /// Species.
     pub species: Species,
+}
+
+/// Selects the random numbers of a fill.
+#[derive(Clone, Copy)]
+pub(crate) struct FillStream {
+    /// The scene's seed.
+    pub(crate) seed: u64,
+    /// The number of the fill in the scene.
+    pub(crate) number: usize,
 }
 
 impl Fill {
@@ -151,25 +160,19 @@ impl Fill {
         (0..count)
             .filter_map(|n| {
                 let [size, x, y, z, vx, vy, vz] = random.uniform::<7>(u64::from(n));
-                let (radius, species) = self.radius.choose(size, &mut quotas);
+                let size = self.radius.choose(size, &mut quotas);
                 let cell = [n % columns, n / columns % rows, n / columns / rows].map(|c| f64::from(c) + 0.5);
                 let displaced = axes([x, y, z].map(|u| jitter * (2.0 * u - 1.0)));
                 let position = self.low.padded() + axes(cell) * spacing + displaced;
                 let id = GrainId::grain(first_id.checked_add(n)?)?;
-                Some(self.row(id, position, (radius, species), mass, axes([vx, vy, vz])))
+                Some(self.row(id, position, size, mass, axes([vx, vy, vz])))
             })
             .collect()
     }
 
     /// Returns the grain with this id, place and size. `u` holds uniform numbers for its velocity.
-    fn row(
-        &self,
-        id: GrainId,
-        position: Solid,
-        (radius, species): (f64, Species),
-        mass: Option<MassLaw>,
-        u: Solid,
-    ) -> GrainRow {
+    fn row(&self, id: GrainId, position: Solid, size: GrainSize, mass: Option<MassLaw>, u: Solid) -> GrainRow {
+        let GrainSize { radius, species } = size;
         let velocity = self.velocity.map_or(Solid::ZERO, FiniteVector::padded);
         let agitation = self.agitation.map_or(Solid::ZERO, FiniteVector::padded);
         GrainRow {
@@ -185,16 +188,17 @@ impl Fill {
 
     /// Like [`Fill::grains`], at random places that `occupied` and `is_clear` (of walls; centre and radius, m) leave free. The places are
     /// occupied then. Returns fewer grains than `count` if the next one finds no place.
-    pub fn random_grains(
+    pub(crate) fn random_grains(
         &self,
         dimension: Dimension,
         mass: Option<MassLaw>,
-        (seed, number): (u64, usize),
+        stream: FillStream,
         first_id: u32,
         occupied: &mut Occupied,
         is_clear: impl Fn(Solid, f64) -> bool,
     ) -> Vec<GrainRow> {
         let count = self.count.unwrap_or(0);
+        let FillStream { seed, number } = stream;
         let [sizes, places] = ["", " place"].map(|what| Stream::new(seed, &format!("fill {number}{what}")));
         let mut quotas = self.radius.quotas(count);
         let low = self.low.padded();
@@ -212,8 +216,8 @@ impl Fill {
             let [size, _, _, _, vx, vy, vz] = sizes.uniform::<7>(u64::from(n));
             let size = self.radius.choose(size, &mut quotas);
             let Some(id) = first_id.checked_add(n).and_then(GrainId::grain) else { break };
-            let Some(x) = place(n, size.0, occupied) else { break };
-            occupied.add(x, size.0);
+            let Some(x) = place(n, size.radius, occupied) else { break };
+            occupied.add(x, size.radius);
             rows.push(self.row(id, x, size, mass, axes(dimension, [vx, vy, vz])));
         }
         rows

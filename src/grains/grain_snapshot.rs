@@ -2,6 +2,7 @@
 
 use bevy_ecs::entity::EntityIndex;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 
 use siloflow_dem::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
 use siloflow_dem::space::Space;
@@ -42,26 +43,28 @@ pub(crate) fn take<V: Space, E>(
         .map(|(id, grain)| (*id, grain.index()))
         .collect();
     grains.sort_unstable_by_key(|&(id, _)| id);
-    let mut rows = world.query::<Row<V>>();
-    let snapshot = |(id, radius, mass, x, v, species, spin): Row<'_, V>| GrainSnapshot {
-        id: *id,
-        radius: radius.0,
-        mass: mass.0,
-        position: x.0,
-        velocity: v.0,
-        species: *species,
-        spin: spin.map(|spin| spin.0),
+    let mut rows = world.query::<GrainRow<V>>();
+    let snapshot = |row: GrainRowItem<'_, '_, V>| GrainSnapshot {
+        id: *row.id,
+        radius: row.radius.0,
+        mass: row.mass.0,
+        position: row.position.0,
+        velocity: row.velocity.0,
+        species: *row.species,
+        spin: row.spin.map(|spin| spin.0),
     };
     let entity = |(_, index): (GrainId, EntityIndex)| world.entities().resolve_from_index(index);
-    grains.into_iter().map(entity).filter_map(|grain| rows.get(world, grain).ok()).map(snapshot).try_for_each(visit)
+    grains.into_iter().map(entity).filter_map(|grain| rows.get(world, grain).ok().map(snapshot)).try_for_each(visit)
 }
 
-type Row<'a, V> = (
-    &'a GrainId,
-    &'a Radius,
-    &'a Mass,
-    &'a Position<V>,
-    &'a Velocity<V>,
-    &'a Species,
-    Option<&'a Spin<<V as Space>::Spin>>,
-);
+/// The components of a grain.
+#[derive(QueryData)]
+struct GrainRow<V: Space> {
+    id: &'static GrainId,
+    radius: &'static Radius,
+    mass: &'static Mass,
+    position: &'static Position<V>,
+    velocity: &'static Velocity<V>,
+    species: &'static Species,
+    spin: Option<&'static Spin<V::Spin>>,
+}

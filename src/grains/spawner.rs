@@ -105,12 +105,11 @@ impl RadiusLaw {
         quotas
     }
 
-    /// Returns radius (m) and species of a grain for a uniform random number `u`. `quotas` holds the remaining number
-    /// of grains of each size.
-    pub(crate) fn choose(&self, u: f64, quotas: &mut [u32]) -> (f64, Species) {
+    /// Returns the size of a grain for a uniform random number `u`. `quotas` holds the remaining number of grains of each size.
+    pub(crate) fn choose(&self, u: f64, quotas: &mut [u32]) -> GrainSize {
         match self {
-            Self::Fixed(radius) => (radius.get(), Species(0)),
-            Self::Uniform(a, b) => (a.get() + u * (b.get() - a.get()), Species(0)),
+            Self::Fixed(radius) => GrainSize { radius: radius.get(), species: Species(0) },
+            Self::Uniform(a, b) => GrainSize { radius: a.get() + u * (b.get() - a.get()), species: Species(0) },
             Self::Mixture(sizes) => {
                 let mut remainder = u * f64::from(quotas.iter().sum::<u32>());
                 let mut chosen = quotas.iter().rposition(|&quota| quota > 0).unwrap_or(0);
@@ -122,10 +121,20 @@ impl RadiusLaw {
                     remainder -= f64::from(quota);
                 }
                 quotas[chosen] = quotas[chosen].saturating_sub(1);
-                (sizes[chosen].0.get(), Species(u8::try_from(chosen).unwrap_or(u8::MAX)))
+                let species = Species(u8::try_from(chosen).unwrap_or(u8::MAX));
+                GrainSize { radius: sizes[chosen].0.get(), species }
             }
         }
     }
+}
+
+/// The size of a grain that a radius law gives.
+#[derive(Clone, Copy)]
+pub(crate) struct GrainSize {
+    /// Radius, m.
+    pub(crate) radius: f64,
+    /// The number of its size in a mixture, else 0.
+    pub(crate) species: Species,
 }
 
 /// Whether restored numbers of grains that are left, by size, are such of a source with the quotas `of_scene` and at most `most` grains.
@@ -170,16 +179,16 @@ impl Spawner {
         Stream::new(seed, "spawner")
     }
 
-    /// Returns place, radius (m) and species of the grain with this id. Grains are drawn in the order of their ids.
-    fn draw<V: Space>(&self, random: &Stream, id: u32, quotas: &mut [u32]) -> (V, f64, Species) {
-        let [u, share @ ..] = random.uniform::<4>(u64::from(id));
-        let (radius, species) = self.radius.choose(u, quotas);
+    /// Returns the grain with this id. Grains are drawn in the order of their ids.
+    fn draw<V: Space>(&self, random: &Stream, id: GrainId, quotas: &mut [u32]) -> Candidate<V> {
+        let [u, share @ ..] = random.uniform::<4>(u64::from(id.number()));
+        let GrainSize { radius, species } = self.radius.choose(u, quotas);
         let half_widths = self.jitter.map_or(V::ZERO, FiniteVector::get);
         let mut position = self.point.get::<V>();
         for (axis, share) in share.into_iter().enumerate().take(V::COMPONENTS) {
             position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
         }
-        (position, radius, species)
+        Candidate { id, position, radius, species }
     }
 
     /// Returns the grains in the order of their release, for programs that release them themselves.
@@ -189,7 +198,7 @@ impl Spawner {
         let mut quotas = self.radius.quotas(self.count);
         let grain = |number: u32| {
             let id = GrainId::grain(first_id.checked_add(number)?)?;
-            let (position, radius, species) = self.draw::<V>(&random, id.number(), &mut quotas);
+            let Candidate { position, radius, species, .. } = self.draw::<V>(&random, id, &mut quotas);
             let position = position.spread();
             let velocity = self.velocity.padded();
             Some(GrainRow { id, radius, mass: mass.of(radius), position, velocity, spin: Solid::ZERO, species })
@@ -207,18 +216,44 @@ struct Candidate<V> {
     species: Species,
 }
 
-/// The part of the state that changes: quotas, the next id, when it is due (s), whether it is blocked, and the next grain.
-type Saved<V> = (Vec<u32>, u32, f64, bool, Option<Candidate<V>>);
+/// The part of the state that changes.
+#[derive(Deserialize, Serialize)]
+struct Progress<V> {
+    quotas: Vec<u32>,
+    next_id: u32,
+    due: f64,
+    is_blocked: bool,
+    next: Option<Candidate<V>>,
+}
 
 impl<V: Space> SpawnerState<V> {
-    fn restore(&mut self, (quotas, next_id, due, is_blocked, next): Saved<V>) -> Result<(), Problem> {
+    fn progress(&self) -> Progress<V> {
+        Progress {
+            quotas: self.quotas.clone(),
+            next_id: self.next_id,
+            due: self.due,
+            is_blocked: self.is_blocked,
+            next: self.next,
+        }
+    }
+
+    /// Takes over the part that changes.
+    ///
+    /// # Errors
+    /// If the spawner of the scene cannot have it.
+    fn restore(&mut self, saved: Progress<V>) -> Result<(), Problem> {
+        let Progress { quotas, next_id, due, is_blocked, next } = saved;
         let count = self.config.count;
         let is_next = |grain: &Candidate<V>| GrainId::grain(next_id) == Some(grain.id) && grain.radius > 0.0;
         let released = next_id.checked_sub(self.first_id).filter(|released| *released <= count);
         if released.is_none() || !are_quotas(&quotas, &self.quotas, count) || !next.iter().all(is_next) {
             return Err("it has released other grains than the scene's spawner can".to_owned());
         }
-        (self.quotas, self.next_id, self.due, self.is_blocked, self.next) = (quotas, next_id, due, is_blocked, next);
+        self.quotas = quotas;
+        self.next_id = next_id;
+        self.due = due;
+        self.is_blocked = is_blocked;
+        self.next = next;
         Ok(())
     }
 
@@ -231,9 +266,9 @@ impl<V: Space> SpawnerState<V> {
     fn candidate(&mut self, periodic: Option<&Periodic<V>>) -> Option<Candidate<V>> {
         if self.next.is_none() {
             let id = GrainId::grain(self.next_id)?;
-            let (position, radius, species) = self.config.draw::<V>(&self.random, self.next_id, &mut self.quotas);
-            let position = periodic.map_or(position, |periodic| periodic.wrapped(position));
-            self.next = Some(Candidate { id, position, radius, species });
+            let mut grain = self.config.draw::<V>(&self.random, id, &mut self.quotas);
+            grain.position = periodic.map_or(grain.position, |periodic| periodic.wrapped(grain.position));
+            self.next = Some(grain);
         }
         self.next
     }
@@ -248,7 +283,8 @@ fn release<V: Space>(
     mut delays: ResMut<ReleaseDelays>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
-    (clock, walls): (Res<Clock>, Res<Surfaces<V>>),
+    clock: Res<Clock>,
+    walls: Res<Surfaces<V>>,
 ) {
     let Some(grain) = state.candidate(particles.periodic()) else { return };
     let delay = clock.time() - state.due;
@@ -331,10 +367,7 @@ impl<V: Space> Plugin for SpawnerPlugin<V> {
         app.world_mut().resource_mut::<Pending>().0 += self.config.count;
         app.persist_sound::<ReleaseDelays>()
             .check_restored(feed::check_restored::<V>)
-            .persist_sound_part::<SpawnerState<V>, _>(
-                |state| Ok((state.quotas.clone(), state.next_id, state.due, state.is_blocked, state.next)),
-                SpawnerState::restore,
-            );
+            .persist_sound_part::<SpawnerState<V>, _>(|state| Ok(state.progress()), SpawnerState::restore);
         app.init_resource::<ReleaseDelays>().insert_resource(SpawnerState::<V> {
             config: self.config.clone(),
             mass: self.mass,
@@ -364,7 +397,7 @@ mod tests {
         let mut counts = [0; 3];
         for grain in 0..1001 {
             let [u] = random.uniform(grain);
-            counts[usize::from(law.choose(u, &mut quotas).1.0)] += 1;
+            counts[usize::from(law.choose(u, &mut quotas).species.0)] += 1;
         }
         assert_eq!(counts, [501, 300, 200]);
     }

@@ -13,13 +13,22 @@ const CAPACITY: usize = 1 << 16;
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Departures {
     count: u32,
-    /// The times of the departures number 0, `stride`, 2 `stride`, ..., s, and the mass out including that grain, kg.
-    kept: Vec<(f64, f64)>,
+    /// The departures number 0, `stride`, 2 `stride`, ...
+    kept: Vec<KeptDeparture>,
     stride: u32,
     /// The time of the last departure, s.
     last: f64,
     /// Mass of all grains that have departed, kg.
     mass: f64,
+}
+
+/// A departure whose time is kept.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+struct KeptDeparture {
+    /// Its time, s.
+    time: f64,
+    /// Mass of the grains that are out, this one included, kg.
+    mass_out: f64,
 }
 
 /// One departure.
@@ -53,7 +62,7 @@ impl Departures {
                 self.stride *= 2;
             }
             // After the thinning this departure is still a multiple of the stride, because the capacity is even.
-            self.kept.push((time, self.mass));
+            self.kept.push(KeptDeparture { time, mass_out: self.mass });
         }
         self.last = time;
         self.count += 1;
@@ -77,10 +86,16 @@ impl Departures {
         self.mass
     }
 
-    /// Times of the first and last departure, s; `None` without a departure.
+    /// Time of the first departure, s; `None` without a departure.
     #[must_use]
-    pub fn ends(&self) -> Option<(f64, f64)> {
-        Some((self.kept.first()?.0, self.last))
+    pub fn first(&self) -> Option<f64> {
+        self.kept.first().map(|departure| departure.time)
+    }
+
+    /// Time of the last departure, s; `None` without a departure.
+    #[must_use]
+    pub fn last(&self) -> Option<f64> {
+        (!self.kept.is_empty()).then_some(self.last)
     }
 
     /// The kept departure nearest to the departure `number`, counted from 0; `None` without a departure.
@@ -88,7 +103,7 @@ impl Departures {
     pub fn nearest(&self, number: u32) -> Option<Departure> {
         let index = (number + self.stride / 2) / self.stride;
         let index = index.min(u32::try_from(self.kept.len()).ok()?.checked_sub(1)?);
-        let (time, mass_out) = self.kept[index as usize];
+        let KeptDeparture { time, mass_out } = self.kept[index as usize];
         Some(Departure { number: index * self.stride, time, mass_out })
     }
 }
@@ -100,9 +115,9 @@ mod tests {
     #[test]
     fn few_departures_are_all_kept() {
         let mut departures = Departures::default();
-        assert_eq!((departures.ends(), departures.nearest(0)), (None, None));
+        assert_eq!((departures.first(), departures.last(), departures.nearest(0)), (None, None, None));
         (0..100u32).for_each(|number| departures.add(f64::from(number) + 0.5, 2.0));
-        assert_eq!((departures.count(), departures.ends()), (100, Some((0.5, 99.5))));
+        assert_eq!((departures.count(), departures.first(), departures.last()), (100, Some(0.5), Some(99.5)));
         for number in 0..100u32 {
             let time = f64::from(number) + 0.5;
             let mass_out = 2.0 * f64::from(number + 1);
@@ -116,7 +131,7 @@ mod tests {
         let count = 1_000_000u32;
         (0..count).for_each(|number| departures.add(f64::from(number), 1.0));
         assert!(departures.kept.len() <= CAPACITY && departures.kept.capacity() <= CAPACITY);
-        assert_eq!(departures.ends(), Some((0.0, f64::from(count - 1))));
+        assert_eq!((departures.first(), departures.last()), (Some(0.0), Some(f64::from(count - 1))));
         for number in [0, 1, 99_999, 100_000, 899_999, count - 1] {
             let Departure { number: kept, time, mass_out } = departures.nearest(number).unwrap();
             assert!(

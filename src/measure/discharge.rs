@@ -26,7 +26,8 @@ impl Discharge {
         if count < 10 {
             return None;
         }
-        let (first, last) = ledger.departures.ends()?;
+        let first = ledger.departures.first()?;
+        let last = ledger.departures.last()?;
         let tenth = ledger.departures.nearest(count / 10)?;
         let nine_tenths = ledger.departures.nearest(count - 1 - count / 10)?;
         let grains = f64::from(nine_tenths.number - tenth.number);

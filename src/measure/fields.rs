@@ -249,7 +249,7 @@ impl<V: Space> FieldSampler<V> {
         let layout = self.layout;
         let grid = &self.grid;
         let sums = self.blocks.present();
-        for i in (0..store.movable_end).filter(|&i| store.is_present(i)) {
+        for i in store.integrated_rows().filter(|&i| store.is_present(i)) {
             let body = &store.body[i];
             let mass = store.mass[i];
             let species = usize::from(store.species[i].0);

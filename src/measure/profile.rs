@@ -143,7 +143,8 @@ impl<V: Space> Sampler<V> {
         if saved.bins.len() != self.bins.len() {
             return Err("the number of bins differs".to_owned());
         }
-        (self.bins, self.samples) = (saved.bins, saved.samples);
+        self.bins = saved.bins;
+        self.samples = saved.samples;
         Ok(())
     }
 
@@ -155,7 +156,7 @@ impl<V: Space> Sampler<V> {
     pub fn add(&mut self, store: &ParticleStore<V>, species: Option<Species>) {
         let axis = self.profile.axis.number();
         let side = store.periodic.and_then(|periodic| periodic.side(axis));
-        let grains = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
+        let grains = store.integrated_rows();
         for i in grains.filter(|&i| species.is_none_or(|species| store.species[i] == species)) {
             let x = store.body[i].position.axis(axis);
             let images = side.map_or([None; 2], |side| [Some(x - side), Some(x + side)]);
@@ -243,7 +244,7 @@ mod tests {
             store.mass.push(2.0);
             store.species.push(Species(u8::try_from(n % 2).unwrap()));
         }
-        store.movable_end = grains.len();
+        store.free_end = grains.len();
         store
     }
 

@@ -13,7 +13,7 @@ use siloflow_dem::survey::{Partner, Survey};
 /// Results of the measurement, SI.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Totals {
-    /// Number of movable grains in the world.
+    /// Number of free grains in the world.
     pub grains: usize,
     /// Kinetic energy of translation, J.
     pub kinetic: f64,
@@ -37,7 +37,7 @@ impl Totals {
     pub fn measure<V: Space>(survey: &Survey<V>, gravity: V) -> Self {
         let store = survey.store;
         let mut totals = Self::default();
-        for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
+        for i in store.integrated_rows() {
             totals.grains += 1;
             totals.kinetic += store.kinetic_energy(i);
             totals.rotational += store.rotational_energy(i);

@@ -171,7 +171,7 @@ pub struct Energy {
 pub struct Performance {
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Sum over all steps of the number of movable grains.
+    /// Sum over all steps of the number of free grains.
     pub particle_steps: u64,
     /// `particle_steps` over `wall_s`, 1/s.
     pub particle_steps_per_s: f64,
@@ -194,16 +194,16 @@ pub struct Performance {
 pub struct Cost {
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Sum over all steps of the number of movable grains.
+    /// Sum over all steps of the number of free grains.
     pub particle_steps: u64,
 }
 
-/// Returns the number of movable grains of a world, for [`Cost::particle_steps`].
+/// Returns the number of free grains of a world, for [`Cost::particle_steps`].
 #[must_use]
-pub fn movable_grains(world: &World) -> usize {
+pub fn free_grains(world: &World) -> usize {
     match Dimension::of_world(world) {
-        Dimension::Plane => world.resource::<ParticleStore<Plane>>().movable_end,
-        Dimension::Solid => world.resource::<ParticleStore<Solid>>().movable_end,
+        Dimension::Plane => world.resource::<ParticleStore<Plane>>().integrated_rows().len(),
+        Dimension::Solid => world.resource::<ParticleStore<Solid>>().integrated_rows().len(),
     }
 }
 

@@ -32,6 +32,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 
+/// Why contiguous iteration cannot fail: all particle components are stored in tables.
+pub(crate) const DENSE: &str = "table components are contiguous";
+
 /// The id of a particle for its whole life; never reused.
 ///
 /// Grains count from 0 or carry the ids of their file. Ids of wall grains and door grains are larger than the ids of

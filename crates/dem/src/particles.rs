@@ -48,10 +48,10 @@ impl<V: Space> Particles<'_, V> {
         self.store.is_empty()
     }
 
-    /// The rows of particles that forces move.
+    /// The rows of free particles that are present.
     #[inline]
     pub fn grains(&self) -> impl Iterator<Item = usize> {
-        (0..self.store.movable_end).filter(|&row| self.is_present(row))
+        self.store.integrated_rows().filter(|&row| self.is_present(row))
     }
 
     /// The rows of all particles.
@@ -67,7 +67,7 @@ impl<V: Space> Particles<'_, V> {
         self.store.is_present(row)
     }
 
-    /// Whether forces do not move the particle.
+    /// Whether the particle is fixed: forces do not move it.
     #[must_use]
     #[inline]
     pub fn is_fixed(&self, row: usize) -> bool {

@@ -17,14 +17,19 @@
 //! * A particle entered, left, was fixed or freed, or got another radius, mass, species or moment of inertia.
 //! * Every [`SORT_CHECK_INTERVAL`] steps, if more than a tenth of the grains have left that order.
 
+mod access_markers;
 mod accumulator;
 mod component_sync;
 mod consistent;
 mod declared_access;
 mod deferred_kick;
+mod foreign_code;
 mod load_components;
+mod longest_move;
 mod mirror;
+mod mirror_set;
 mod parallel_chunks;
+mod pending_kick;
 mod plugin;
 mod population;
 mod predictable_conditions;
@@ -32,33 +37,41 @@ mod prediction;
 mod renumbering;
 mod reorder;
 mod saved;
+mod sets;
 mod spatial_sort;
 mod sync_plan;
+
+use std::ops::Range;
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+pub use self::access_markers::PlainCommands;
+pub(crate) use self::access_markers::{OwnObserver, ReadsMotion, ReadsPlaces};
 pub use self::accumulator::{Accumulator, TOTAL_AND_DISSIPATIVE};
 pub(crate) use self::accumulator::{TOTAL, kick_term};
 pub use self::component_sync::{collect_from_world, complete_world, plan, publish_to_world, refresh_world, uses_loads};
+pub(crate) use self::deferred_kick::add_second_kick;
 pub use self::deferred_kick::{
     AfterDeferredKick, DeferredKick, EngineBalance, EngineChecks, KickAppliedAtEnd, SecondKicks, after_kicks,
     reads_velocities_when,
 };
-pub(crate) use self::deferred_kick::{PendingKick, add_second_kick};
-pub(crate) use self::mirror::MirrorSet;
+pub use self::foreign_code::path_in_siloflow;
+pub(crate) use self::longest_move::LongestMove;
+pub(crate) use self::mirror_set::MirrorSet;
 pub use self::parallel_chunks::CHUNK;
 pub(crate) use self::parallel_chunks::ChunkedPass;
-pub(crate) use self::plugin::{DENSE, Kicked, LongestMove, VelocitiesPredicted};
-pub use self::plugin::{SpinsDrifted, StorePlugin, clear_forces};
+pub(crate) use self::pending_kick::PendingKick;
+pub use self::plugin::{StorePlugin, clear_forces};
 pub use self::predictable_conditions::register_predictable;
 pub use self::prediction::Prediction;
 pub(crate) use self::prediction::swept_radius;
 pub use self::renumbering::{AfterRenumbering, BeforeRenumbering, FirstRenumbering, Renumber, SORT_CHECK_INTERVAL};
 pub(crate) use self::renumbering::{has_renumbered, sort_check_is_due};
+pub use self::sets::SpinsDrifted;
+pub(crate) use self::sets::{Kicked, VelocitiesPredicted};
 pub(crate) use self::spatial_sort::SpatialOrder;
-pub(crate) use self::sync_plan::{OwnObserver, Plan, ReadsMotion, ReadsPlaces};
-pub use self::sync_plan::{PlainCommands, path_in_siloflow};
+pub(crate) use self::sync_plan::Plan;
 use crate::displacement_trigger::TravelMeter;
 pub use crate::particle::Slot;
 use crate::particle::{GrainId, Species};
@@ -73,8 +86,15 @@ use crate::spin::InertiaLaw;
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// Velocity, m/s: v(t+dt/2), or the prediction of the scheme, while forces are evaluated; v(t) after [`Phase::Kick`](crate::step::Phase::Kick). If
-    /// the kick is deferred, it becomes v(t) only when a system reads velocities (`store/deferred_kick.rs`).
+    /// Velocity, m/s. Its time depends on the scheme and on the place in the step:
+    /// * From the kick of a step to the drift of the next one it is v(t), at the same time as the position.
+    /// * From the drift to the kick it is, in velocity Verlet, that in the middle of the step, v(t+dt/2). In the Euler schemes, which
+    ///   have no kick, it is already v(t+dt).
+    /// * From the drift to the kick it is, in the centred scheme, predicted for the end of the step. The one in the middle of the step is
+    ///   beside it ([`ParticleStore::middle_velocity`]).
+    ///
+    /// A kick that is deferred (`store/deferred_kick.rs`) lets the second or third meaning last until a system reads velocities, or until
+    /// the next drift, which makes that kick.
     pub velocity: V,
     /// Radius, m.
     pub radius: f64,
@@ -169,8 +189,8 @@ pub struct ParticleStore<V: Space = Plane> {
     pub(crate) wraps_after_drift: bool,
     /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
     pub smallest_share: f64,
-    /// Number of particles that are not fixed: they have the first slots.
-    pub movable_end: usize,
+    /// Number of free particles, on which forces act: they have the first slots. All others are fixed.
+    pub free_end: usize,
     /// Number of renumberings so far. Code that caches slots compares it to detect a renumbering.
     pub generation: u64,
     /// Sum over the steps of the longest move of any particle in a step, m: an upper bound of the distance that any
@@ -212,7 +232,7 @@ impl<V: Space> Default for ParticleStore<V> {
             periodic: None,
             wraps_after_drift: false,
             smallest_share: 0.0,
-            movable_end: 0,
+            free_end: 0,
             generation: 0,
             travel: 0.0,
             tracks_energy: false,
@@ -249,11 +269,26 @@ impl<V: Space> ParticleStore<V> {
         self.loads.rolling_drag.clear();
     }
 
-    /// Whether forces do not move the particle in slot `i`.
+    /// Whether the particle in slot `i` is fixed: forces do not act on it. Two fixed particles make no contact.
     #[must_use]
     #[inline]
     pub fn is_fixed(&self, i: usize) -> bool {
-        i >= self.movable_end
+        i >= self.free_end
+    }
+
+    /// The rows of free particles, on which forces act. Searches and sums over contacts use these rows.
+    #[must_use]
+    #[inline]
+    pub fn free_rows(&self) -> Range<usize> {
+        0..self.free_end
+    }
+
+    /// The rows that the integrator moves, each by its own force and torque. Kicks and drifts use these rows, and so do sums and
+    /// counts over grains, because each such row is one grain with its mass and its energy of motion. Every free row is one.
+    #[must_use]
+    #[inline]
+    pub fn integrated_rows(&self) -> Range<usize> {
+        0..self.free_end
     }
 
     /// All slots, in ascending order of particle id.
@@ -277,11 +312,15 @@ impl<V: Space> ParticleStore<V> {
         self.periodic.map_or(a - b, |periodic| periodic.shortest(a - b))
     }
 
-    /// Kinetic energy of translation of the particle in slot `i`, J; zero for fixed particles.
+    /// Kinetic energy of translation of the particle in slot `i`, J; zero for a row that is not integrated.
     #[must_use]
     #[inline]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
-        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
+        if self.integrated_rows().contains(&i) {
+            0.5 * self.mass[i] * self.body[i].velocity.length_squared()
+        } else {
+            0.0
+        }
     }
 
     /// Whether grains of this run spin, also before there is a grain.
@@ -297,12 +336,15 @@ impl<V: Space> ParticleStore<V> {
         self.rotation.get(i).map_or(V::Spin::ZERO, |rotation| rotation.spin)
     }
 
-    /// Kinetic energy of rotation of the particle in slot `i`, J; zero for particles that are fixed or do not spin.
+    /// Kinetic energy of rotation of the particle in slot `i`, J; zero for a row that is not integrated or does
+    /// not spin.
     #[must_use]
     #[inline]
     pub fn rotational_energy(&self, i: usize) -> f64 {
         match self.rotation.get(i) {
-            Some(&Rotation { spin, inverse_inertia }) if inverse_inertia > 0.0 && !self.is_fixed(i) => {
+            Some(&Rotation { spin, inverse_inertia })
+                if inverse_inertia > 0.0 && self.integrated_rows().contains(&i) =>
+            {
                 0.5 * spin.length_squared() / inverse_inertia
             }
             _ => 0.0,

@@ -14,10 +14,10 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::particle::{Fixed, GrainBundle, Slot};
+use crate::particle::{DENSE, Fixed, GrainBundle, Slot};
 use crate::space::Space;
 use crate::step::{Clock, Part, Step};
-use crate::store::{DENSE, Plan, SORT_CHECK_INTERVAL, SpatialOrder, has_renumbered, sort_check_is_due};
+use crate::store::{Plan, SORT_CHECK_INTERVAL, SpatialOrder, has_renumbered, sort_check_is_due};
 
 /// Marks a grain that is temporarily out of its table.
 #[derive(Component, Clone, Copy, Debug)]

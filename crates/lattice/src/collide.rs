@@ -80,7 +80,7 @@ fn outgoing(state: u16, number: u8, held: u8, table: &Collisions, odds: &Odds, d
 }
 
 /// Returns a state whose momentum replaces the momentum of `state`. With internal friction (`is_level`) the state is a
-/// random set of nearly horizontal directions; otherwise it is `state` without `forgotten` particles.
+/// random set of nearly horizontal directions; otherwise it is `state` without `excluded` random particles.
 // Not inlined, because most sites need neither.
 #[inline(never)]
 fn replaced_state(state: u16, number: u8, count: u8, excluded: u8, is_level: bool, draws: Draws) -> u16 {

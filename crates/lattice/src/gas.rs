@@ -80,7 +80,9 @@ impl Gas {
         if !states.iter().zip(&self.resting).all(is_state) || out > entered {
             return Err("a site has a state that no gas can have");
         }
-        (self.states, self.entered, self.out) = (states, entered, out);
+        self.states = states;
+        self.entered = entered;
+        self.out = out;
         Ok(())
     }
 

@@ -19,11 +19,11 @@ pub type Reflection = [u8; 13];
 /// Cost of a change of speed, square degrees.
 const CHANGE_OF_SPEED: f64 = 1500.0;
 
-/// Computes reflections, and caches them by blocked directions and wall angle.
+/// The reflections computed so far, by blocked directions and wall angle.
 #[derive(Default)]
-pub struct MirrorSet(HashMap<(u16, u64), Reflection>);
+pub struct Reflections(HashMap<(u16, u64), Reflection>);
 
-impl MirrorSet {
+impl Reflections {
     /// Returns the reflection at a site with the blocked directions `blocked` (a state), near a wall at the angle
     /// `tangent` to the horizontal, degrees.
     pub fn reflection(&mut self, blocked: u16, tangent: f64) -> Reflection {
@@ -86,7 +86,7 @@ mod tests {
         ];
         for (tangent, mirrored) in walls {
             let blocked = mirrored.iter().fold(0, |set, (from, _)| set | 1 << from);
-            let reflection = MirrorSet::default().reflection(blocked, tangent);
+            let reflection = Reflections::default().reflection(blocked, tangent);
             for (from, to) in mirrored {
                 assert_eq!(usize::from(reflection[from]), to, "{from} at a wall of {tangent} degrees");
             }

@@ -17,7 +17,7 @@
 use bevy_ecs::prelude::*;
 
 use crate::outline::{Polygon, distance, nearest_tangent};
-use crate::reflection::{MirrorSet, Reflection};
+use crate::reflection::{Reflection, Reflections};
 use crate::velocities::{FLANKS, STEPS, directions, in_bonds};
 use siloflow_dem::space::Vector;
 
@@ -163,7 +163,7 @@ impl Sites {
     /// Finds the blocked directions of all fluid sites, and their reflections.
     fn find_edges(&mut self) {
         let top = self.runs.iter().map(|run| self.coordinates(run.start + run.len - 1).1).max().unwrap_or(0);
-        let mut mirrors = MirrorSet::default();
+        let mut reflections = Reflections::default();
         self.edges.clear();
         let runs = std::mem::take(&mut self.runs);
         for s in runs.iter().flat_map(|run| run.start..run.start + run.len) {
@@ -173,7 +173,7 @@ impl Sites {
             self.blocked[s] = blocked;
             if blocked != 0 {
                 let touches_lid = directions(blocked).any(|d| self.coordinates(s).1 + STEPS[d].1 > top);
-                let reflection = mirrors.reflection(blocked, nearest_tangent(self.position(s), &self.lines));
+                let reflection = reflections.reflection(blocked, nearest_tangent(self.position(s), &self.lines));
                 self.edges.push(Edge { site: s, blocked, rough: if touches_lid { 0 } else { blocked }, reflection });
             }
         }

@@ -33,7 +33,8 @@ fn stop_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Stream
             let rests = (state & 1) as u8;
             *number = moving + rests;
             if *number < 2 {
-                (*resting, *held) = (rests, 0);
+                *resting = rests;
+                *held = 0;
                 continue;
             }
             let mut stopped = odds.stop.draw(streams.of(s).high(0), *number).max(number.saturating_sub(12));

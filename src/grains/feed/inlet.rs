@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Feed, FeedFigure, Rate};
 use crate::grains::mass::MassLaw;
-use crate::grains::spawner::are_quotas;
+use crate::grains::spawner::{GrainSize, are_quotas};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
 use siloflow_dem::particles::Particles;
@@ -115,7 +115,10 @@ impl<V: Space> Inlet<V> {
         {
             return Err("a feed has released other grains than that of the scene can".to_owned());
         }
-        (self.quotas, self.left, self.fed, self.next) = (quotas, left, fed, next);
+        self.quotas = quotas;
+        self.left = left;
+        self.fed = fed;
+        self.next = next;
         Ok(())
     }
 
@@ -153,7 +156,7 @@ impl<V: Space> Inlet<V> {
                 self.quotas = self.config.radius.quotas(BLOCK);
             }
             let [u] = self.sizes.uniform(u64::from(*next_id));
-            let (radius, Species(size)) = self.config.radius.choose(u, &mut self.quotas);
+            let GrainSize { radius, species: Species(size) } = self.config.radius.choose(u, &mut self.quotas);
             let species = Species(self.config.species.saturating_add(size));
             self.next = Some(Candidate { id, radius, species, tries: 0, waits_since: None });
             *next_id += 1;

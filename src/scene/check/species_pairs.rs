@@ -285,8 +285,8 @@ fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
             let ids = u64::from(loaded.first_free_id())..;
             let drawn = ids.take(spawner.count.min(DRAWN) as usize).map(|id| {
                 let [u] = random.uniform(id);
-                let (radius, species) = spawner.radius.choose(u, &mut []);
-                (species.0, body(radius))
+                let size = spawner.radius.choose(u, &mut []);
+                (size.species.0, body(size.radius))
             });
             drawn.collect()
         }

@@ -1,7 +1,7 @@
 //! Creates the grains of `fill` while a scene is loaded.
 
 use crate::grains::file::GrainRow;
-use crate::grains::fill::{Fill, FixedGrain, MOST_TRIES, Placement};
+use crate::grains::fill::{Fill, FillStream, FixedGrain, MOST_TRIES, Placement};
 use crate::grains::occupied::Occupied;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
@@ -62,7 +62,8 @@ impl Loaded {
             walls.near(x, radius).iter().all(|number| walls.all[number].surface.distance(x) >= radius)
         };
         let first_id = self.first_free_id();
-        let rows = fill.random_grains(*space, *mass, (*seed, number), first_id, &mut occupied, is_clear);
+        let stream = FillStream { seed: *seed, number };
+        let rows = fill.random_grains(*space, *mass, stream, first_id, &mut occupied, is_clear);
         let wanted = fill.count.unwrap_or(0) as usize;
         if rows.len() == wanted {
             return Ok(rows);

@@ -107,9 +107,9 @@ fn too_many(loaded: &Loaded, index: usize, fill: &Fill) -> Fault {
 /// Every grain of the fills must have got an id.
 pub(super) fn ids(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
-    let movable = scene.fill.iter().enumerate().filter(|(_, fill)| !fill.fixed);
+    let free = scene.fill.iter().enumerate().filter(|(_, fill)| !fill.fixed);
     let mut wanted: usize = 0;
-    for (index, fill) in movable {
+    for (index, fill) in free {
         wanted += fill.size(scene.space).unwrap_or(0) as usize;
         if wanted > loaded.grains.len() {
             return Err(loaded

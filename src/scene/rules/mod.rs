@@ -322,7 +322,7 @@ fn cells(loaded: &Loaded) -> Result<(), Fault> {
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let (key, size) = match loaded.scene.neighbours {
         Some(Neighbours::Cells { size }) => ("neighbours.size", size.get()),
-        Some(Neighbours::CellsOfRange { rng }) => ("neighbours.rng", rng.get() * largest),
+        Some(Neighbours::CellsOfRange { range }) => ("neighbours.rng", range.get() * largest),
         _ => return Ok(()),
     };
     let needed = loaded.contact_range();

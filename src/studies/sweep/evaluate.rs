@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::behaviour::Registry;
 use crate::lattice_silo::summary::Summary as LatticeSummary;
-use crate::output::summary::{Cost, Summary, movable_grains};
+use crate::output::summary::{Cost, Summary, free_grains};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
@@ -40,7 +40,7 @@ pub fn evaluate(path: &Path, settings: &[(String, String)], registry: &Registry)
             let mut simulation = Simulation::new(&loaded, registry, NonZeroUsize::MIN)?;
             let mut cost = Cost::default();
             let start = Instant::now();
-            let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
+            let end = simulation.advance_to_end(|world| cost.particle_steps += free_grains(world) as u64);
             cost.wall_s = start.elapsed().as_secs_f64();
             serde_json::to_value(Summary::of(simulation.world_mut(), &loaded, &end, cost))
         }

@@ -19,7 +19,7 @@ use crate::store::{LongestMove, MirrorSet, ParticleStore};
 fn euler_step<V: Space, const SYMPLECTIC: bool>(clock: Res<Clock>, mut store: ResMut<ParticleStore<V>>) {
     let dt = clock.dt;
     let mut longest = LongestMove::default();
-    for i in 0..store.movable_end {
+    for i in store.integrated_rows() {
         let body = store.body[i];
         let force = store.loads.force.of(i);
         let velocity = body.velocity + force * (dt * body.inverse_mass);

@@ -2,7 +2,7 @@
 
 pub mod centred;
 mod euler;
-mod halfway;
+mod recorded_velocity;
 pub mod rotation;
 mod verlet;
 pub mod wrap;

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted};
+use crate::integrate::recorded_velocity::{InTheMiddle, Predicted, RecordedVelocity};
 use crate::particle::{Grain, Mass, Radius};
 use crate::persist::PersistApp as _;
 use crate::space::{Linear, Space};
@@ -54,10 +54,10 @@ fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(
     store: &mut ParticleStore<V>,
 ) {
     if store.predicts() {
-        let halfway = Predicted { share: store.prediction.spin_share };
+        let recorded = Predicted { share: store.prediction.spin_share };
         let mut apart = std::mem::take(&mut store.prediction.middle_spin);
         apart.resize(store.rotation.len(), V::Spin::ZERO);
-        kick_all::<V, Predicted, SECOND, FIRST>(halfway, &mut apart, dt, chunked, store);
+        kick_all::<V, Predicted, SECOND, FIRST>(recorded, &mut apart, dt, chunked, store);
         store.prediction.middle_spin = apart;
     } else {
         // Values without size: the vector allocates nothing.
@@ -66,41 +66,48 @@ fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(
     }
 }
 
-fn kick_all<V: Space, H: Halfway<Rotation<V>, V::Spin>, const SECOND: bool, const FIRST: bool>(
-    halfway: H,
+fn kick_all<V: Space, H: RecordedVelocity<Rotation<V>, V::Spin>, const SECOND: bool, const FIRST: bool>(
+    recorded: H,
     apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
     if store.tracks_energy {
-        kick_by::<V, H, TOTAL_AND_DISSIPATIVE, SECOND, FIRST>(halfway, apart, dt, chunked, store);
+        kick_by::<V, H, TOTAL_AND_DISSIPATIVE, SECOND, FIRST>(recorded, apart, dt, chunked, store);
     } else {
-        kick_by::<V, H, TOTAL, SECOND, FIRST>(halfway, apart, dt, chunked, store);
+        kick_by::<V, H, TOTAL, SECOND, FIRST>(recorded, apart, dt, chunked, store);
     }
 }
 
 /// Kicks spins by torques with `NUMBERS` accumulators per particle.
-fn kick_by<V: Space, H: Halfway<Rotation<V>, V::Spin>, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
-    halfway: H,
+fn kick_by<
+    V: Space,
+    H: RecordedVelocity<Rotation<V>, V::Spin>,
+    const NUMBERS: usize,
+    const SECOND: bool,
+    const FIRST: bool,
+>(
+    recorded: H,
     apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
-    let ParticleStore { loads, rotation, movable_end: end, .. } = store;
+    let end = store.integrated_rows().end;
+    let ParticleStore { loads, rotation, .. } = store;
     let sums = chunked.in_chunks(
-        &loads.torque.entries::<NUMBERS>()[..*end],
-        (&mut rotation[..*end], &mut apart[..*end]),
+        &loads.torque.entries::<NUMBERS>()[..end],
+        (&mut rotation[..end], &mut apart[..end]),
         #[inline(always)]
         |torque, (rotation, apart), sum: &mut V::Spin| {
             let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
             if SECOND {
-                rotation.spin = halfway.middle(rotation, apart) + gain;
+                rotation.spin = recorded.middle(rotation, apart) + gain;
                 *sum += kick_term(torque, rotation.spin);
             }
             if FIRST {
-                halfway.store(rotation.spin + gain, gain, rotation, apart);
+                recorded.store(rotation.spin + gain, gain, rotation, apart);
             }
         },
     );
@@ -111,7 +118,8 @@ fn kick_by<V: Space, H: Halfway<Rotation<V>, V::Spin>, const NUMBERS: usize, con
 
 /// Makes the first kick before the drift, together with the second kick of the previous step if that is pending.
 fn first_kick<V: Space>(
-    (clock, chunked): (Res<Clock>, ChunkedPass),
+    clock: Res<Clock>,
+    chunked: ChunkedPass,
     second: Res<PendingKick>,
     mut store: ResMut<ParticleStore<V>>,
 ) {
@@ -124,7 +132,7 @@ fn first_kick<V: Space>(
 }
 
 /// Makes the second kick, after the forces.
-fn second_kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
+fn second_kick<V: Space>(clock: Res<Clock>, chunked: ChunkedPass, mut store: ResMut<ParticleStore<V>>) {
     kick_spins::<V, true, false>(clock.dt, &chunked, &mut store);
     store.stale.add(MirrorSet::SPIN.and(MirrorSet::FREE));
 }

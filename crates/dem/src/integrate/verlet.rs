@@ -18,7 +18,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted, Swept};
+use crate::integrate::recorded_velocity::{InTheMiddle, Predicted, RecordedVelocity, Swept};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
 use crate::store::{
@@ -34,7 +34,8 @@ fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
 
 /// Makes the first kick and the drift. A pending second kick of the previous step, with its sum, comes first.
 fn drift<V: Space>(
-    (clock, chunked): (Res<Clock>, ChunkedPass),
+    clock: Res<Clock>,
+    chunked: ChunkedPass,
     second: Res<PendingKick>,
     mut store: ResMut<ParticleStore<V>>,
 ) {
@@ -46,51 +47,60 @@ fn drift<V: Space>(
     let count = store.body.len();
     let unit = |count| vec![(); count];
     if store.predicts() {
-        let halfway = Predicted { share: store.prediction.share };
+        let recorded = Predicted { share: store.prediction.share };
         let mut apart = std::mem::take(&mut store.prediction.middle);
         apart.resize(count, V::Apart::default());
         let longest = if store.prediction.sweeps {
             let mut swept = std::mem::take(&mut store.prediction.swept);
             swept.resize(count, 0.0);
-            let longest = drift_all(halfway, (&mut apart, &mut swept), (dt, is_pending), &chunked, &mut store);
+            let kept = Kept { apart: &mut apart, swept: &mut swept };
+            let longest = drift_all(recorded, kept, dt, is_pending, &chunked, &mut store);
             store.prediction.swept = swept;
             longest
         } else {
-            drift_all(halfway, (&mut apart, &mut unit(count)), (dt, is_pending), &chunked, &mut store)
+            let kept = Kept { apart: &mut apart, swept: &mut unit(count) };
+            drift_all(recorded, kept, dt, is_pending, &chunked, &mut store)
         };
         store.prediction.middle = apart;
         store.prediction.is_ahead = true;
-        let first = store.movable_end;
+        let first = store.integrated_rows().end;
         store.set_margins(first, longest, dt);
     } else {
-        drift_all(InTheMiddle, (&mut unit(count), &mut unit(count)), (dt, is_pending), &chunked, &mut store);
+        let kept = Kept { apart: &mut unit(count), swept: &mut unit(count) };
+        drift_all(InTheMiddle, kept, dt, is_pending, &chunked, &mut store);
     }
 }
 
-/// Velocities that the scheme keeps apart from the bodies, and swept radii.
-type Kept<'a, V, H, W> = (&'a mut [<H as Halfway<Body<V>, V>>::Apart], &'a mut [W]);
+/// The numbers of particles that the drift writes beside the bodies.
+struct Kept<'a, V: Space, H: RecordedVelocity<Body<V>, V>, W> {
+    /// Velocities that the scheme keeps apart from the bodies.
+    apart: &'a mut [H::Apart],
+    /// Swept radii.
+    swept: &'a mut [W],
+}
 
 /// Drifts, and makes the pending second kick first. Returns the longest move, m.
-fn drift_all<V: Space, H: Halfway<Body<V>, V>, W: Swept>(
-    halfway: H,
+fn drift_all<V: Space, H: RecordedVelocity<Body<V>, V>, W: Swept>(
+    recorded: H,
     kept: Kept<'_, V, H, W>,
-    (dt, is_pending): (f64, bool),
+    dt: f64,
+    is_pending: bool,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) -> f64 {
     let longest = match (store.tracks_energy, is_pending) {
-        (true, true) => drift_by::<V, H, W, TOTAL_AND_DISSIPATIVE, true>(halfway, kept, dt, chunked, store),
-        (true, false) => drift_by::<V, H, W, TOTAL_AND_DISSIPATIVE, false>(halfway, kept, dt, chunked, store),
-        (false, true) => drift_by::<V, H, W, TOTAL, true>(halfway, kept, dt, chunked, store),
-        (false, false) => drift_by::<V, H, W, TOTAL, false>(halfway, kept, dt, chunked, store),
+        (true, true) => drift_by::<V, H, W, TOTAL_AND_DISSIPATIVE, true>(recorded, kept, dt, chunked, store),
+        (true, false) => drift_by::<V, H, W, TOTAL_AND_DISSIPATIVE, false>(recorded, kept, dt, chunked, store),
+        (false, true) => drift_by::<V, H, W, TOTAL, true>(recorded, kept, dt, chunked, store),
+        (false, false) => drift_by::<V, H, W, TOTAL, false>(recorded, kept, dt, chunked, store),
     };
     store.travel += longest;
     longest
 }
 
 /// Drifts under forces with `NUMBERS` accumulators per particle.
-fn drift_by<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, const PENDING: bool>(
-    halfway: H,
+fn drift_by<V: Space, H: RecordedVelocity<Body<V>, V>, W: Swept, const NUMBERS: usize, const PENDING: bool>(
+    recorded: H,
     kept: Kept<'_, V, H, W>,
     dt: f64,
     chunked: &ChunkedPass,
@@ -98,16 +108,16 @@ fn drift_by<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, co
 ) -> f64 {
     // The pass is compiled without wrapping too, so that open scenes do not pay for it.
     match store.periodic.filter(|_| !store.wraps_after_drift) {
-        None => drift_with::<V, H, W, NUMBERS, PENDING>(halfway, kept, dt, chunked, store, |_| {}),
+        None => drift_with::<V, H, W, NUMBERS, PENDING>(recorded, kept, dt, chunked, store, |_| {}),
         Some(periodic) => {
-            drift_with::<V, H, W, NUMBERS, PENDING>(halfway, kept, dt, chunked, store, |x| periodic.wrap(x))
+            drift_with::<V, H, W, NUMBERS, PENDING>(recorded, kept, dt, chunked, store, |x| periodic.wrap(x))
         }
     }
 }
 
 /// Drifts, and applies `wrap` to each new position.
-fn drift_with<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, const PENDING: bool>(
-    halfway: H,
+fn drift_with<V: Space, H: RecordedVelocity<Body<V>, V>, W: Swept, const NUMBERS: usize, const PENDING: bool>(
+    recorded: H,
     kept: Kept<'_, V, H, W>,
     dt: f64,
     chunked: &ChunkedPass,
@@ -115,15 +125,16 @@ fn drift_with<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, 
     wrap: impl Fn(&mut V) + Sync,
 ) -> f64 {
     let range = store.prediction.range;
-    let ParticleStore { body, loads, movable_end: end, .. } = store;
-    let (apart, swept) = kept;
+    let end = store.integrated_rows().end;
+    let ParticleStore { body, loads, .. } = store;
+    let Kept { apart, swept } = kept;
     let chunks = chunked.in_chunks(
-        &loads.force.entries::<NUMBERS>()[..*end],
-        ((&mut body[..*end], &mut apart[..*end]), &mut swept[..*end]),
+        &loads.force.entries::<NUMBERS>()[..end],
+        ((&mut body[..end], &mut apart[..end]), &mut swept[..end]),
         #[inline(always)]
         |force, ((body, apart), swept), (longest, sum): &mut (LongestMove, V)| {
             let gain = half_kick(force[0], dt, body.inverse_mass);
-            let mut velocity = if PENDING { halfway.middle(body, apart) } else { body.velocity } + gain;
+            let mut velocity = if PENDING { recorded.middle(body, apart) } else { body.velocity } + gain;
             if PENDING {
                 *sum += kick_term(force, velocity);
                 velocity += gain;
@@ -133,7 +144,7 @@ fn drift_with<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, 
             *swept = W::of(body.radius, longest.raise(position - body.position), range);
             wrap(&mut position);
             body.position = position;
-            halfway.store(velocity, gain, body, apart);
+            recorded.store(velocity, gain, body, apart);
         },
     );
     let both = |(longest, sum): (LongestMove, V), (other, term)| (longest.or(other), sum + term);
@@ -145,11 +156,11 @@ fn drift_with<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, 
 }
 
 /// Makes the second kick. It also sums [`ParticleStore::kick_sum`], which saves a pass.
-fn kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
+fn kick<V: Space>(clock: Res<Clock>, chunked: ChunkedPass, mut store: ResMut<ParticleStore<V>>) {
     let sum = if std::mem::take(&mut store.prediction.is_ahead) {
-        let halfway = Predicted { share: store.prediction.share };
+        let recorded = Predicted { share: store.prediction.share };
         let mut apart = std::mem::take(&mut store.prediction.middle);
-        let sum = kick_all(halfway, &mut apart, clock.dt, &chunked, &mut store);
+        let sum = kick_all(recorded, &mut apart, clock.dt, &chunked, &mut store);
         store.prediction.middle = apart;
         sum
     } else {
@@ -160,34 +171,35 @@ fn kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut
     store.stale.add(MirrorSet::VELOCITY.and(MirrorSet::FREE));
 }
 
-fn kick_all<V: Space, H: Halfway<Body<V>, V>>(
-    halfway: H,
+fn kick_all<V: Space, H: RecordedVelocity<Body<V>, V>>(
+    recorded: H,
     apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) -> V {
     if store.tracks_energy {
-        kick_by::<V, H, TOTAL_AND_DISSIPATIVE>(halfway, apart, dt, chunked, store)
+        kick_by::<V, H, TOTAL_AND_DISSIPATIVE>(recorded, apart, dt, chunked, store)
     } else {
-        kick_by::<V, H, TOTAL>(halfway, apart, dt, chunked, store)
+        kick_by::<V, H, TOTAL>(recorded, apart, dt, chunked, store)
     }
 }
 
-fn kick_by<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize>(
-    halfway: H,
+fn kick_by<V: Space, H: RecordedVelocity<Body<V>, V>, const NUMBERS: usize>(
+    recorded: H,
     apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) -> V {
-    let ParticleStore { body, loads, movable_end: end, .. } = store;
+    let end = store.integrated_rows().end;
+    let ParticleStore { body, loads, .. } = store;
     let sums = chunked.in_chunks(
-        &loads.force.entries::<NUMBERS>()[..*end],
-        (&mut body[..*end], &mut apart[..*end]),
+        &loads.force.entries::<NUMBERS>()[..end],
+        (&mut body[..end], &mut apart[..end]),
         #[inline(always)]
         |force, (body, apart), sum: &mut V| {
-            let velocity = halfway.middle(body, apart) + half_kick(force[0], dt, body.inverse_mass);
+            let velocity = recorded.middle(body, apart) + half_kick(force[0], dt, body.inverse_mass);
             *sum += kick_term(force, velocity);
             body.velocity = velocity;
         },

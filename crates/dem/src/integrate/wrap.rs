@@ -14,9 +14,10 @@ use crate::store::{AfterDeferredKick, ParticleStore, SpinsDrifted};
 
 /// Wraps positions into the box, and sums the potential energy that this adds (J).
 fn wrap_and_lift<V: Space>(mut store: ResMut<ParticleStore<V>>, gravity: Res<Gravity<V>>) {
-    let ParticleStore { body, mass, periodic: Some(periodic), movable_end: end, .. } = &mut *store else { return };
+    let end = store.integrated_rows().end;
+    let ParticleStore { body, mass, periodic: Some(periodic), .. } = &mut *store else { return };
     let mut lifted = 0.0;
-    for (body, mass) in body[..*end].iter_mut().zip(mass) {
+    for (body, mass) in body[..end].iter_mut().zip(mass) {
         let wrapped = periodic.wrapped(body.position);
         if wrapped != body.position {
             lifted += -*mass * gravity.0.dot(wrapped - body.position);
@@ -44,7 +45,8 @@ impl<V: Space> Plugin for PeriodicPlugin<V> {
         let gravity = app.world().resource::<Gravity<V>>().0;
         let tracks_lift = self.tracks_energy && self.periodic.lifts(gravity);
         let mut store = app.world_mut().resource_mut::<ParticleStore<V>>();
-        (store.periodic, store.wraps_after_drift) = (Some(self.periodic), tracks_lift);
+        store.periodic = Some(self.periodic);
+        store.wraps_after_drift = tracks_lift;
         if tracks_lift {
             // Otherwise the drift wraps positions.
             let wrap = wrap_and_lift::<V>.in_set(Part::Engine(Phase::Drift)).in_set(Wrapped);

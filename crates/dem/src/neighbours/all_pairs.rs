@@ -9,7 +9,7 @@ use crate::store::ParticleStore;
 pub(super) fn find<V: Space>(store: &ParticleStore<V>, list: &mut PairList) {
     list.clear();
     for i in 0..store.len() {
-        if i < store.movable_end {
+        if !store.is_fixed(i) {
             for (j, row) in (0u32..).zip(0..store.len()).skip(i + 1) {
                 if store.may_touch(i, row) {
                     list.push(j);

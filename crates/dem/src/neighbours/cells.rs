@@ -16,8 +16,8 @@
 //!
 //! Cell numbers are kept modulo 2^32, in 32 bits. So a search may also find a particle 2^32 cells away, which is too far to touch.
 
-use crate::neighbours::contact_range;
 use crate::neighbours::list::PairList;
+use crate::neighbours::range::contact_range;
 use crate::outcome::Failure;
 use crate::periodic::Periodic;
 use crate::space::Space;
@@ -220,7 +220,7 @@ impl<V: Space> Cells<V> {
     pub(super) fn find(&self, store: &ParticleStore<V>, list: &mut PairList) {
         list.clear();
         for i in 0..store.len() {
-            if i < store.movable_end {
+            if !store.is_fixed(i) {
                 let wants = |j: u32| j as usize > i;
                 let consider = |j: u32| {
                     if store.may_touch(i, j as usize) {

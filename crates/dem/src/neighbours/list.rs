@@ -28,12 +28,20 @@ pub struct PairList {
     starts: Vec<u32>,
     /// The row that is being written.
     row: u32,
-    /// For each block: the end of its pairs in `pairs`, and the [end of their slots](end_of).
-    blocks: Vec<[usize; 2]>,
+    blocks: Vec<Block>,
     tasks: Vec<Task>,
     /// Number of changes of the list.
     version: u64,
     marks: Marks,
+}
+
+/// The pairs of a block of rows.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// The end of the pairs in the list.
+    pairs_end: usize,
+    /// The [end of their slots](end_of).
+    slots_end: usize,
 }
 
 /// Rows and pairs that one thread sums.
@@ -61,9 +69,9 @@ impl PairList {
     /// Returns the candidates of block `number`, and the [end](end_of) of their slots.
     #[must_use]
     pub fn block(&self, number: usize) -> (&[Candidate], usize) {
-        let start = if number == 0 { 0 } else { self.blocks[number - 1][0] };
-        let [end, entries] = self.blocks[number];
-        (&self.pairs[start..end], entries)
+        let start = if number == 0 { 0 } else { self.blocks[number - 1].pairs_end };
+        let Block { pairs_end, slots_end } = self.blocks[number];
+        (&self.pairs[start..pairs_end], slots_end)
     }
 
     /// Returns the tasks of the threads.
@@ -124,6 +132,12 @@ impl PairList {
         }
     }
 
+    /// Marks the pairs that contain a chosen particle, and no others.
+    pub fn mark(&mut self, chosen: Chosen<'_>) {
+        let copies = self.tasks.iter_mut().map(|task| &mut task.incoming[..]);
+        self.marks.mark(self.version, &mut self.pairs, copies, chosen);
+    }
+
     /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows.
     pub(crate) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
         self.version += 1;
@@ -135,7 +149,7 @@ impl PairList {
             let end = row_of(number * size);
             let block = &pairs[start..end];
             start = end;
-            [end, end_of(block)]
+            Block { pairs_end: end, slots_end: end_of(block) }
         }));
         let blocks = self.blocks.len();
         let shares = threads.min(self.blocks.len()).max(1);

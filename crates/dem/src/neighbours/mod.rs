@@ -12,6 +12,7 @@ mod all_pairs;
 mod candidate;
 pub mod cells;
 pub mod list;
+mod range;
 mod verlet_list;
 
 use bevy_app::{App, Plugin};
@@ -44,8 +45,9 @@ pub enum Neighbours {
     },
     /// Like [`Cells`](Neighbours::Cells), with L given as a multiple of the largest radius.
     CellsOfRange {
-        /// L over the largest radius: at least 2 if all particles are grains.
-        rng: Positive,
+        /// L over the largest radius: at least 2 if all particles are grains. A scene writes `rng`, the name of the soft-particle paper.
+        #[serde(rename = "rng")]
+        range: Positive,
     },
     /// A list of the pairs that may touch soon. It is rebuilt when a particle has moved too far.
     VerletList {
@@ -86,7 +88,7 @@ impl<V: Space> Search<V> {
         let method = match kind {
             Neighbours::AllPairs => Method::AllPairs,
             Neighbours::Cells { size } => Method::Cells(Cells::new(size.get(), periodic)),
-            Neighbours::CellsOfRange { rng } => Method::Cells(Cells::new(rng.get() * largest_radius, periodic)),
+            Neighbours::CellsOfRange { range } => Method::Cells(Cells::new(range.get() * largest_radius, periodic)),
             Neighbours::VerletList { skin } => Method::VerletList(VerletList::new(skin.get())),
         };
         Self { method, list: PairList::default(), generation: 0 }
@@ -133,30 +135,6 @@ impl<V: Space> Search<V> {
         }
         Ok(rebuilt)
     }
-}
-
-impl<V: Space> ParticleStore<V> {
-    /// Returns whether the contact law must test this pair.
-    fn may_touch(&self, i: usize, j: usize) -> bool {
-        // The filter of the kernel sums in the same order for laws without memory, so that both agree to the last bit. For laws
-        // with memory it takes fewer pairs.
-        let reach = self.body[i].radius + self.body[j].radius + (self.prediction.margin + self.prediction.range);
-        self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
-    }
-}
-
-/// Returns the largest distance at which two particles of `store` touch, at least one of them movable, m.
-///
-/// A grain searches the adjacent cells, so a pair is found for certain only if its centres are at most one cell side
-/// apart. The side must therefore not be smaller than this distance. For grains alone it is twice the largest radius.
-#[must_use]
-pub fn contact_range<V: Space>(store: &ParticleStore<V>) -> f64 {
-    let largest = |fixed: bool| {
-        let of_kind = (0..store.len()).filter(|&i| store.is_fixed(i) == fixed);
-        of_kind.map(|i| store.body[i].radius).fold(0.0, f64::max)
-    };
-    let movable = largest(false);
-    movable + movable.max(largest(true))
 }
 
 fn update_search<V: Space>(

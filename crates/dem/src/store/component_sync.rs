@@ -18,41 +18,58 @@ use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step};
 use crate::store::ParticleStore;
+use crate::store::access_markers::{ReadsMotion, ReadsPlaces};
 use crate::store::deferred_kick::apply_pending_kick;
+use crate::store::foreign_code::ForeignObservers;
 use crate::store::load_components::{AddLoads, add_loads};
-use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
+use crate::store::mirror::{Refresh, WriteBack};
+use crate::store::mirror_set::MirrorSet;
 use crate::store::predictable_conditions::PredictableConditions;
-use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
+use crate::store::sync_plan::Plan;
 use siloflow_text::fault::Fault;
 
-/// Mirrored components that the systems of phase number `phase` read and may write in this step.
-fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
+/// Mirrored components that the systems of a phase use in a step.
+struct Use {
+    /// Those that they read.
+    reads: MirrorSet,
+    /// Those that they may write.
+    writes: MirrorSet,
+}
+
+/// Returns the use of mirrored components by the systems of phase number `phase` in this step.
+fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> Use {
     let plan = &mut world.resource_mut::<Plan>().phases[phase];
     let needs = std::mem::take(&mut plan.needs);
     let has_commands = plan.has_commands;
-    let mut uses = (MirrorSet::NONE, MirrorSet::NONE);
+    let mut uses = Use { reads: MirrorSet::NONE, writes: MirrorSet::NONE };
     for need in &needs {
         if PredictableConditions::are_open(world, &need.gates) {
-            uses = (uses.0.or(need.reads), uses.1.or(need.writes));
+            uses.reads.add(need.reads);
+            uses.writes.add(need.writes);
         }
     }
     world.resource_mut::<Plan>().phases[phase].needs = needs;
-    if has_commands && Plan::foreign_code_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
+    if has_commands && Plan::foreign_code_may_run(world, observers) {
+        uses = Use { reads: MirrorSet::ALL, writes: MirrorSet::ALL };
+    }
+    uses
 }
 
 fn refresh<V: Space, const PHASE: usize>(
     world: &mut World,
-    (state, loads): (&mut SystemState<Refresh<V>>, &mut SystemState<AddLoads<V>>),
+    state: &mut SystemState<Refresh<V>>,
+    loads: &mut SystemState<AddLoads<V>>,
     observers: &mut ForeignObservers,
 ) {
-    let (reads, writes) = used_components(world, PHASE, observers);
+    let Use { reads, writes } = used_components(world, PHASE, observers);
     if !reads.is_none() {
         add_loads(world, loads, reads);
         state.get_mut(world).expect("the store plugin inserts the store").refresh(reads);
     }
     let since = world.increment_change_tick();
     let mut plan = world.resource_mut::<Plan>();
-    (plan.writes, plan.since) = (writes, since);
+    plan.writes = writes;
+    plan.since = since;
 }
 
 fn write_back<V: Space, const PHASE: usize>(world: &mut World, state: &mut SystemState<WriteBack<V>>) {
@@ -81,7 +98,7 @@ impl<V: Space> ParticleStore<V> {
 
     /// Evaluates the power of the added forces, W, with the velocities of the step's end (after the second kick).
     fn end_added(&mut self) {
-        let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
+        let rows = self.added.iter().zip(&self.body).enumerate().take(self.integrated_rows().end);
         let power = rows.map(|(i, (added, body))| {
             added.dot(self.middle_velocity(i) + self.loads.force.of(i) * (self.half_step * body.inverse_mass))
         });

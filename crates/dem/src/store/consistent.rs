@@ -7,6 +7,7 @@
 use std::collections::HashSet;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 
 use crate::particle::{GrainId, Mass, Position, Radius, Slot, Velocity};
 use crate::persist::Problem;
@@ -15,8 +16,18 @@ use crate::spin::Inertia;
 use crate::store::population::Population;
 use crate::store::{Body, ParticleStore};
 
-/// The components that every particle has.
-type Needed<V> = (Has<Position<V>>, Has<Velocity<V>>, Option<&'static Radius>, Option<&'static Slot>);
+/// A particle with the components that steps need.
+#[derive(QueryData)]
+struct RestoredParticle<V: Space> {
+    entity: Entity,
+    id: &'static GrainId,
+    has_position: Has<Position<V>>,
+    has_velocity: Has<Velocity<V>>,
+    radius: Option<&'static Radius>,
+    slot: Option<&'static Slot>,
+    mass: Option<&'static Mass>,
+    inertia: Option<&'static Inertia>,
+}
 
 /// Checks a world in which all state is restored.
 pub(super) fn check<V: Space>(world: &mut World) -> Result<(), Problem> {
@@ -24,7 +35,7 @@ pub(super) fn check<V: Space>(world: &mut World) -> Result<(), Problem> {
 }
 
 fn problem<V: Space>(world: &mut World) -> Option<&'static str> {
-    let mut particles = world.query::<(Entity, &GrainId, Needed<V>, Option<&Mass>, Option<&Inertia>)>();
+    let mut particles = world.query::<RestoredParticle<V>>();
     let store = world.get_resource::<ParticleStore<V>>()?;
     let population = world.get_resource::<Population>()?;
     if let Some(problem) = problem_of_rows(store) {
@@ -34,7 +45,8 @@ fn problem<V: Space>(world: &mut World) -> Option<&'static str> {
     let is_positive = |number: f64| number > 0.0 && number.is_finite();
     let mut ids = HashSet::new();
     let mut rows = 0_usize;
-    for (entity, id, (has_position, has_velocity, radius, slot), mass, inertia) in particles.iter(world) {
+    for particle in particles.iter(world) {
+        let RestoredParticleItem { entity, id, has_position, has_velocity, radius, slot, mass, inertia } = particle;
         let (Some(radius), Some(slot), true, true) = (radius, slot, has_position, has_velocity) else {
             return Some("a particle lacks a component");
         };
@@ -67,7 +79,7 @@ fn problem_of_rows<V: Space>(store: &ParticleStore<V>) -> Option<&'static str> {
     if !store.body.iter().zip(&store.mass).all(is_body) {
         return Some("a radius or a mass is not positive");
     }
-    let can_move = store.body[..store.movable_end].iter().all(|body| body.inverse_mass > 0.0);
-    let are_fixed = store.body[store.movable_end..].iter().all(|body| body.inverse_mass == 0.0);
-    (!can_move || !are_fixed).then_some("a fixed particle is among the movable ones, or a movable one among the fixed")
+    let are_free = store.body[..store.free_end].iter().all(|body| body.inverse_mass > 0.0);
+    let are_fixed = store.body[store.free_end..].iter().all(|body| body.inverse_mass == 0.0);
+    (!are_free || !are_fixed).then_some("a fixed particle is among the movable ones, or a movable one among the fixed")
 }

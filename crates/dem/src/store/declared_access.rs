@@ -12,8 +12,8 @@ use crate::space::Space;
 use crate::spin::{Spin, Torque};
 use crate::step::{Part, Phase};
 use crate::store::ParticleStore;
-use crate::store::mirror::MirrorSet;
-use crate::store::sync_plan::{Need, PlainCommands, ReadsMotion, ReadsPlaces};
+use crate::store::access_markers::{PlainCommands, ReadsMotion, ReadsPlaces};
+use crate::store::mirror_set::MirrorSet;
 use siloflow_text::fault::Fault;
 
 fn no_phase_fault(system: &str) -> Fault {
@@ -27,6 +27,17 @@ fn engine_fault(system: &str) -> Fault {
         format!("the system `{system}` uses components in a part of the step that works on the particle store");
     Fault::new("behaviour::engine", message)
         .help("put it into a `Phase`; a system that adds a force belongs in `ForceStage::Added`")
+}
+
+/// The component use of systems that share their gates.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Need {
+    pub(super) reads: MirrorSet,
+    pub(super) writes: MirrorSet,
+    /// Whether the systems use velocities and spins of grains, as components or in the store.
+    pub(super) reads_motion: bool,
+    /// The numbers of the gates: the systems run only if all are open.
+    pub(super) gates: Vec<usize>,
 }
 
 /// All sets that contain a system.
@@ -103,11 +114,20 @@ const MOTION: MirrorSet = MirrorSet::VELOCITY.or(MirrorSet::SPIN).and(MirrorSet:
 /// Numbers that must not change while a kick and its energy balance are pending.
 const NEEDED_BY_PENDING_KICK: MirrorSet = MirrorSet::ALL.without(MirrorSet::POSITION);
 
+/// Tells whether an access list uses a mirrored component.
+struct Probe {
+    /// The component, of free or of fixed particles.
+    mirrors: MirrorSet,
+    /// An access that conflicts with any use of the component.
+    uses: FilteredAccess,
+    /// An access that conflicts with writes.
+    writes: FilteredAccess,
+}
+
 /// Finds the mirrored components that an access list contains.
 pub(super) struct AccessReader {
-    /// Per mirrored component, of free and of fixed particles: the component, an access that conflicts with any use,
-    /// and an access that conflicts with writes.
-    probes: Vec<(MirrorSet, FilteredAccess, FilteredAccess)>,
+    /// One probe for each mirrored component of free particles, and one for each of fixed particles.
+    probes: Vec<Probe>,
     store: FilteredAccess,
     places: FilteredAccess,
     motion: FilteredAccess,
@@ -134,7 +154,7 @@ impl AccessReader {
             // Write access conflicts with every reader and writer; read access conflicts with writers only.
             writes.add_write(component);
             reads.add_read(component);
-            (kind.and(among), writes, reads)
+            Probe { mirrors: kind.and(among), uses: writes, writes: reads }
         };
         let both = [MirrorSet::FREE, MirrorSet::FIXED];
         let probes = components
@@ -160,7 +180,7 @@ impl AccessReader {
         let mut need = Need { reads: MirrorSet::NONE, writes: MirrorSet::NONE, reads_motion: false, gates };
         for access in all {
             let conflicts_with = |probe: &FilteredAccess| !access.get_conflicts_single(probe).is_empty();
-            for (mirrors, uses, writes) in &self.probes {
+            for Probe { mirrors, uses, writes } in &self.probes {
                 if conflicts_with(uses) {
                     need.reads.add(*mirrors);
                 }

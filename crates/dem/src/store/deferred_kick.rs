@@ -23,9 +23,11 @@ use bevy_ecs::system::ScheduleSystem;
 use crate::outcome::Outcome;
 use crate::persist::PersistApp as _;
 use crate::step::{Drifted, Part, Phase, Step, is_step_zero, serial, time_moves};
-use crate::store::SpinsDrifted;
-use crate::store::renumbering::KicksApplied;
-use crate::store::sync_plan::{ForeignObservers, Plan};
+use crate::store::foreign_code::ForeignObservers;
+use crate::store::pending_kick::PendingKick;
+use crate::store::renumbering::Renumber;
+use crate::store::sets::{KicksApplied, SpinsDrifted};
+use crate::store::sync_plan::Plan;
 
 /// The schedule of second kicks and of all systems that use the resulting velocities. In step zero it runs no kicks,
 /// and it starts the energy balance.
@@ -45,15 +47,6 @@ pub struct SecondKicks;
 /// the step's end.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct KickAppliedAtEnd;
-
-/// State of the second kick of the last step.
-#[derive(Resource, Default)]
-pub(crate) struct PendingKick {
-    /// Whether the drift applies a pending kick.
-    pub(crate) may_be_deferred: bool,
-    /// Whether the second kick of the last complete step is still to be applied.
-    pub(crate) is_pending: bool,
-}
 
 /// Conditions under which the engine's own systems read velocities between the kick and the next drift.
 #[derive(Resource, Default)]
@@ -148,7 +141,7 @@ pub(super) fn add(app: &mut App) {
             apply_pending_kick_at_end.in_set(KickAppliedAtEnd).run_if(has_ended),
         ),
     );
-    app.add_systems(super::Renumber, apply_pending_kick.in_set(KicksApplied));
+    app.add_systems(Renumber, apply_pending_kick.in_set(KicksApplied));
 }
 
 /// The set of [`Phase::Control`] that starts the energy balance in step zero.

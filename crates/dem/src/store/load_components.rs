@@ -9,7 +9,8 @@ use crate::particle::{Force, GrainId, Slot};
 use crate::space::Space;
 use crate::spin::{Spin, Torque};
 use crate::store::ParticleStore;
-use crate::store::mirror::{Mirror, MirrorSet};
+use crate::store::mirror::Mirror;
+use crate::store::mirror_set::MirrorSet;
 
 /// Adds forces and torques, if they are among `wanted`, to the particles that lack these components.
 pub(super) fn add_loads<V: Space>(world: &mut World, state: &mut SystemState<AddLoads<V>>, wanted: MirrorSet) {

@@ -11,60 +11,12 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use bevy_ecs::system::SystemParam;
 
-use crate::particle::{Fixed, Force, Position, Slot, Velocity};
+use crate::particle::{DENSE, Fixed, Force, Position, Slot, Velocity};
 use crate::space::{Linear, Space};
 use crate::spin::{Spin, Torque};
-use crate::store::{DENSE, LongestMove, ParticleStore};
-
-/// A set of mirrored components, kept separately for free and fixed particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct MirrorSet(u16);
-
-/// Number of mirrored components.
-const KINDS: u16 = 5;
-
-impl MirrorSet {
-    pub(crate) const NONE: Self = Self(0);
-    pub(crate) const POSITION: Self = Self::free_and_fixed(0);
-    pub(crate) const VELOCITY: Self = Self::free_and_fixed(1);
-    pub(crate) const FORCE: Self = Self::free_and_fixed(2);
-    pub(crate) const SPIN: Self = Self::free_and_fixed(3);
-    pub(crate) const TORQUE: Self = Self::free_and_fixed(4);
-    pub(crate) const ALL: Self = Self((1 << (2 * KINDS)) - 1);
-    /// All components of free particles.
-    pub(crate) const FREE: Self = Self((1 << KINDS) - 1);
-    /// All components of fixed particles.
-    pub(crate) const FIXED: Self = Self(Self::ALL.0 & !Self::FREE.0);
-
-    const fn free_and_fixed(kind: u16) -> Self {
-        Self(1 << kind | 1 << (kind + KINDS))
-    }
-
-    pub(crate) const fn and(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-
-    pub(crate) const fn or(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    pub(crate) const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
-
-    pub(crate) const fn is_none(self) -> bool {
-        self.0 == 0
-    }
-
-    /// Whether the two sets have a common element.
-    pub(crate) const fn meets(self, other: Self) -> bool {
-        self.0 & other.0 != 0
-    }
-
-    pub(crate) fn add(&mut self, other: Self) {
-        *self = self.or(other);
-    }
-}
+use crate::store::ParticleStore;
+use crate::store::longest_move::LongestMove;
+use crate::store::mirror_set::MirrorSet;
 
 /// A component that mirrors numbers of the store.
 pub(super) trait Mirror<V: Space>: Component<Mutability = Mutable> + Copy {
@@ -146,10 +98,12 @@ impl<V: Space> Mirror<V> for Torque<V::Spin> {
     }
 }
 
-type RefreshQueries<'w, 's, C> = (
-    Query<'w, 's, (&'static Slot, &'static mut C), Without<Fixed>>,
-    Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
-);
+/// A mirrored component of free and of fixed particles.
+#[derive(SystemParam)]
+struct RefreshQueries<'w, 's, C: Component<Mutability = Mutable>> {
+    free: Query<'w, 's, (&'static Slot, &'static mut C), Without<Fixed>>,
+    fixed: Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
+}
 
 /// System parameter for the refresh: the store and all mirrored components.
 #[derive(SystemParam)]
@@ -180,14 +134,14 @@ impl<V: Space> Refresh<'_, '_, V> {
 fn refresh_component<V: Space, C: Mirror<V>>(
     store: &ParticleStore<V>,
     due: MirrorSet,
-    (free, fixed): &mut RefreshQueries<'_, '_, C>,
+    rows: &mut RefreshQueries<'_, '_, C>,
 ) {
     let due = due.and(C::KIND);
     if due.meets(MirrorSet::FREE) {
-        refresh_rows(store, free);
+        refresh_rows(store, &mut rows.free);
     }
     if due.meets(MirrorSet::FIXED) {
-        refresh_rows(store, fixed);
+        refresh_rows(store, &mut rows.fixed);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Small passes over the store, and the plugin that sets the store up.
+//! The plugin that sets the store up, and the pass that clears forces in scenes without a contact pass.
 
 use std::marker::PhantomData;
 
@@ -10,53 +10,8 @@ use crate::instructions::Instructions;
 use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::persist::PersistApp as _;
 use crate::space::Space;
-use crate::store::{MirrorSet, ParticleStore, component_sync, deferred_kick, population, renumbering, saved};
-
-/// Why contiguous iteration cannot fail: all particle components are stored in tables.
-pub(crate) const DENSE: &str = "table components are contiguous";
-
-/// The largest length of several displacements, as the bits of its square. For non-negative numbers, bits and numbers
-/// have the same order. NaN bits are larger than all of them, so that a NaN survives; a maximum of numbers would
-/// discard it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LongestMove(u64);
-
-impl LongestMove {
-    /// Includes the displacement `displacement`, m. Returns its squared length, m^2.
-    #[inline]
-    pub(crate) fn raise<V: Space>(&mut self, displacement: V) -> f64 {
-        let squared = displacement.length_squared();
-        self.0 = self.0.max(squared.to_bits());
-        squared
-    }
-
-    /// Returns the larger of two.
-    pub(crate) fn or(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
-    }
-
-    /// Returns the length, m; NaN if a displacement was not finite.
-    pub(crate) fn length(self) -> f64 {
-        let squared = f64::from_bits(self.0);
-        if squared.is_finite() { squared.sqrt() } else { f64::NAN }
-    }
-}
-
-impl<V: Space> ParticleStore<V> {
-    /// Sets the position of row `i`, m, to the image of `x` in the box, and includes the displacement in `longest`.
-    #[inline]
-    pub(crate) fn put(&mut self, i: usize, x: V, longest: &mut LongestMove) {
-        let displacement = x - self.body[i].position;
-        longest.raise(self.periodic.map_or(displacement, |periodic| periodic.shortest(displacement)));
-        self.body[i].position = x;
-        if let Some(periodic) = &self.periodic
-            && !periodic.contains(x)
-        {
-            self.body[i].position = periodic.wrapped(x);
-            self.stale.add(MirrorSet::POSITION);
-        }
-    }
-}
+use crate::store::mirror_set::MirrorSet;
+use crate::store::{ParticleStore, component_sync, deferred_kick, population, renumbering, saved};
 
 /// Initialises the force sums with the weight, in scenes without a contact pass.
 pub fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut store: ResMut<ParticleStore<V>>) {
@@ -67,18 +22,6 @@ pub fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut store: ResMut<Partic
         loads.force.set(i, gravity.0 * *mass);
     }
 }
-
-/// The set of [`Phase::Drift`](crate::step::Phase::Drift) after which spins are w(t+dt/2).
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct SpinsDrifted;
-
-/// The set after which the store holds the velocity predictions of the scheme. It runs before the neighbour search.
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct VelocitiesPredicted;
-
-/// The set that applies the second kick; after it, velocities are v(t+dt).
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Kicked;
 
 /// Adds the store, the component hooks that record entering and leaving particles, and component sync.
 pub struct StorePlugin<V: Space>(pub PhantomData<V>);
@@ -103,30 +46,5 @@ impl<V: Space> Plugin for StorePlugin<V> {
         renumbering::add::<V>(app);
         component_sync::add::<V>(app);
         deferred_kick::add(app);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::space::Vector;
-
-    /// The largest of these displacements along x, m.
-    fn longest(displacements: &[f64]) -> f64 {
-        let mut longest = LongestMove::default();
-        for &displacement in displacements {
-            longest.raise(Vector::new(displacement, 0.0));
-        }
-        let [one, other] = [longest, LongestMove::default()];
-        assert_eq!(one.or(other).length().to_bits(), other.or(one).length().to_bits());
-        longest.length()
-    }
-
-    #[test]
-    fn the_longest_move_is_found_and_nan_is_kept() {
-        assert_eq!((longest(&[]), longest(&[1.0, -3.0, 2.0])), (0.0, 3.0));
-        for not_finite in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert!(longest(&[not_finite, 1.0]).is_nan() && longest(&[1.0, not_finite]).is_nan(), "{not_finite}");
-        }
     }
 }

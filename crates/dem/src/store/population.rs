@@ -16,9 +16,10 @@ use bevy_ecs::world::DeferredWorld;
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::space::{Linear, Space};
 use crate::spin::{Inertia, Spin, Torque};
-use crate::store::deferred_kick::PendingKick;
-use crate::store::mirror::MirrorSet;
-use crate::store::{LongestMove, ParticleStore};
+use crate::store::ParticleStore;
+use crate::store::longest_move::LongestMove;
+use crate::store::mirror_set::MirrorSet;
+use crate::store::pending_kick::PendingKick;
 
 /// Changes since the last renumbering.
 #[derive(Resource, Default)]

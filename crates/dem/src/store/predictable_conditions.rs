@@ -1,4 +1,5 @@
-//! Predictable conditions (gates): run conditions with a result that is known before the systems that they gate run.
+//! Predictable conditions: run conditions whose result is known before the phase of the systems that they control. Such a condition
+//! is called a gate here, and it is open where it holds.
 //!
 //! A component is refreshed for the systems that read it. If all of these systems are gated, a step in which no gate
 //! opens needs no refresh. The second kick of a step can be deferred if no gate of a system that reads velocities will

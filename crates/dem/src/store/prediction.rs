@@ -89,7 +89,7 @@ impl<V: Space> ParticleStore<V> {
     /// Whether the velocity of particle `i` is a predicted one now. Fixed particles gain no velocity.
     #[inline]
     fn is_ahead(&self, i: usize) -> bool {
-        self.prediction.is_ahead && i < self.movable_end
+        self.prediction.is_ahead && !self.is_fixed(i)
     }
 
     /// Velocity of particle `i` in the middle of the step, m/s, between the drift and the kick.
@@ -173,7 +173,7 @@ mod tests {
         let still = Solid::ZERO;
         let body = Body { position: still, velocity: still, radius: 0.01, inverse_mass: 1.0, middle: () };
         store.body = vec![body; 2];
-        (store.movable_end, store.prediction.is_ahead) = (1, true);
+        (store.free_end, store.prediction.is_ahead) = (1, true);
         store.prediction.lookahead = 0.5e-3;
         store.prediction.middle = vec![still; 2];
         store.prediction.swept = vec![0.01; 2];

@@ -13,6 +13,7 @@ use crate::step::{Clock, Part, Phase, Step, serial};
 use crate::store::ParticleStore;
 use crate::store::population::Population;
 use crate::store::reorder::EntityRow;
+use crate::store::sets::KicksApplied;
 
 impl<V: Space> ParticleStore<V> {
     /// The previous slot of the particle in row `i`; the default slot if the particle had none or was altered.
@@ -23,8 +24,8 @@ impl<V: Space> ParticleStore<V> {
 
     /// Whether more than a tenth of the grains come directly after a grain with a later place in the spatial order.
     fn is_unsorted(&self) -> bool {
-        let places = self.body[..self.movable_end].iter().map(|body| self.order.place(body.position));
-        10 * places.clone().zip(places.skip(1)).filter(|(one, next)| next < one).count() > self.movable_end
+        let places = self.body[self.free_rows()].iter().map(|body| self.order.place(body.position));
+        10 * places.clone().zip(places.skip(1)).filter(|(one, next)| next < one).count() > self.free_end
     }
 }
 
@@ -54,8 +55,10 @@ pub(crate) fn sort_check_is_due(clock: Res<Clock>) -> bool {
 /// Assigns slots anew.
 pub(super) fn renumber<V: Space>(
     mut store: ResMut<ParticleStore<V>>,
-    (mut population, mut count): (ResMut<Population>, ResMut<Renumberings>),
-    (particles, mut slots): (Query<EntityRow<V>>, Query<&mut Slot>),
+    mut population: ResMut<Population>,
+    mut count: ResMut<Renumberings>,
+    particles: Query<EntityRow<V>>,
+    mut slots: Query<&mut Slot>,
     gravity: Option<Res<Gravity<V>>>,
 ) {
     let gravity = gravity.map_or(V::ZERO, |gravity| gravity.0);
@@ -67,10 +70,6 @@ pub(super) fn renumber<V: Space>(
 /// the renumbering, then systems that update data by slot ([`AfterRenumbering`]).
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Renumber;
-
-/// The set of [`Renumber`] that applies a pending kick. After it, velocities belong to the step's end.
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct KicksApplied;
 
 /// Systems of [`Renumber`] that need the store before slots are assigned anew.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]

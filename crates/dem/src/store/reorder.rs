@@ -25,7 +25,7 @@ pub(crate) struct EntityRow<V: Space> {
     radius: &'static Radius,
     mass: Option<&'static Mass>,
     species: Option<&'static Species>,
-    is_fixed: Has<Fixed>,
+    is_marked_fixed: Has<Fixed>,
     turning: Option<(&'static Spin<V::Spin>, &'static Inertia)>,
     torque: Option<&'static Torque<V::Spin>>,
 }
@@ -44,7 +44,7 @@ struct Properties {
 
 impl Properties {
     fn of<V: Space>(row: &EntityRowItem<'_, '_, V>) -> Self {
-        let inverse_mass = row.mass.map_or(0.0, |mass| if row.is_fixed { 0.0 } else { 1.0 / mass.0 });
+        let inverse_mass = row.mass.map_or(0.0, |mass| if row.is_marked_fixed { 0.0 } else { 1.0 / mass.0 });
         Self {
             id: *row.id,
             radius: row.radius.0,
@@ -55,8 +55,8 @@ impl Properties {
         }
     }
 
-    /// Whether forces never move the particle.
-    fn never_moves(&self) -> bool {
+    /// Whether the particle is fixed: it has the mark [`Fixed`], or no mass.
+    fn is_fixed(&self) -> bool {
         self.inverse_mass == 0.0
     }
 }
@@ -65,7 +65,7 @@ impl Properties {
 struct Entering<V: Space> {
     entity: Entity,
     id: GrainId,
-    never_moves: bool,
+    is_fixed: bool,
     /// Radius, m.
     radius: f64,
     /// Centre, m.
@@ -75,17 +75,26 @@ struct Entering<V: Space> {
 impl<V: Space> Entering<V> {
     fn of(row: &EntityRowItem<'_, '_, V>) -> Self {
         let Properties { id, radius, .. } = Properties::of(row);
-        let never_moves = Properties::of(row).never_moves();
-        Self { entity: row.entity, id, never_moves, radius, position: row.position.0 }
+        let is_fixed = Properties::of(row).is_fixed();
+        Self { entity: row.entity, id, is_fixed, radius, position: row.position.0 }
     }
 }
 
-/// Sort key of a particle: whether it is fixed, then place, then id.
-type Key = (bool, Place, GrainId);
+/// Sort key of a particle. Slots are in the order of these keys, which compare field by field.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct SlotKey {
+    is_fixed: bool,
+    place: Place,
+    id: GrainId,
+}
 
-/// A particle that gets a slot: its key and its number. Numbers below the row count are former rows; higher ones are
-/// the row count plus an index into the entering particles.
-type Entrant = (Key, u32);
+/// A particle that gets a slot.
+struct SlotTaker {
+    key: SlotKey,
+    /// A number below the row count is the former row of the particle. A higher one is the row count plus an index into the entering
+    /// particles.
+    source: u32,
+}
 
 impl<V: Space> ParticleStore<V> {
     /// Assigns slots to all particles. `touched` lists the entities that entered or were altered. Grains that enter without a force
@@ -100,19 +109,19 @@ impl<V: Space> ParticleStore<V> {
         let (entering, altered) = self.read(touched, particles, slots);
         let rows = self.len();
         self.order = self.next_order(&entering, &altered);
-        let entrants = self.entrants(&entering, &altered);
-        self.movable_end = entrants.partition_point(|&((is_fixed, ..), _)| !is_fixed);
+        let takers = self.takers(&entering, &altered);
+        self.free_end = takers.partition_point(|taker| !taker.key.is_fixed);
         self.id.clear();
-        self.id.extend(entrants.iter().map(|&((.., id), _)| id));
+        self.id.extend(takers.iter().map(|taker| taker.key.id));
         self.former.clear();
-        let former = |number: u32| if (number as usize) < rows { Slot::new(number) } else { Slot::default() };
-        self.former.extend(entrants.iter().map(|&(_, number)| former(number)));
+        let former = |source: u32| if (source as usize) < rows { Slot::new(source) } else { Slot::default() };
+        self.former.extend(takers.iter().map(|taker| former(taker.source)));
         let newcomer =
-            |&(_, number): &Entrant| entering.get((number as usize).checked_sub(rows)?).map(|new| new.entity);
-        let newcomers = entrants.iter().zip(0u32..).filter_map(|(entrant, slot)| Some((newcomer(entrant)?, slot)));
+            |taker: &SlotTaker| entering.get((taker.source as usize).checked_sub(rows)?).map(|new| new.entity);
+        let newcomers = takers.iter().zip(0u32..).filter_map(|(taker, slot)| Some((newcomer(taker)?, slot)));
         let newcomers: Vec<_> = newcomers.collect();
         // Memory use is highest here when all grains of a scene enter at once.
-        drop((entrants, entering));
+        drop((takers, entering));
         self.make_room();
         self.apply_altered(&altered);
         for (entity, slot) in newcomers {
@@ -154,36 +163,38 @@ impl<V: Space> ParticleStore<V> {
         (entering, altered)
     }
 
-    /// Derives the spatial order from all particles that forces move.
+    /// Derives the spatial order from all free particles.
     fn next_order(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> SpatialOrder {
         let known = || {
             (0..self.len()).filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
-                Some(properties) => (!properties.never_moves()).then_some((self.body[i].position, properties.radius)),
+                Some(properties) => (!properties.is_fixed()).then_some((self.body[i].position, properties.radius)),
                 None => (!self.is_fixed(i)).then_some((self.body[i].position, self.body[i].radius)),
             })
         };
         let new = || {
-            let movable = entering.iter().filter(|entering| !entering.never_moves);
-            movable.map(|entering| (entering.position, entering.radius))
+            let free = entering.iter().filter(|entering| !entering.is_fixed);
+            free.map(|entering| (entering.position, entering.radius))
         };
         let largest = known().chain(new()).map(|(_, radius)| radius).fold(0.0, f64::max);
         SpatialOrder::of(known().chain(new()).map(|(position, _)| position), 2.0 * largest)
     }
 
     /// Returns all particles, in the order of their new slots.
-    fn entrants(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<Entrant> {
-        let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(number, i)| {
-            let never_moves = altered.get(&i).map_or(self.is_fixed(i), Properties::never_moves);
-            ((never_moves, self.order.place(self.body[i].position), self.id[i]), number)
+    fn takers(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<SlotTaker> {
+        let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(source, i)| {
+            let is_fixed = altered.get(&i).map_or(self.is_fixed(i), Properties::is_fixed);
+            let place = self.order.place(self.body[i].position);
+            SlotTaker { key: SlotKey { is_fixed, place, id: self.id[i] }, source }
         });
         let first = u32::try_from(self.len()).expect("fewer than 2^32 particles");
-        let new = (first..).zip(entering).map(|(number, &Entering { id, never_moves, position, .. })| {
-            ((never_moves, self.order.place(position), id), number)
+        let new = (first..).zip(entering).map(|(source, &Entering { id, is_fixed, position, .. })| {
+            let place = self.order.place(position);
+            SlotTaker { key: SlotKey { is_fixed, place, id }, source }
         });
-        let mut entrants: Vec<_> = Vec::with_capacity(self.len() + entering.len());
-        entrants.extend(known.chain(new));
-        entrants.sort_unstable_by_key(|&(key, _)| key);
-        entrants
+        let mut takers: Vec<_> = Vec::with_capacity(self.len() + entering.len());
+        takers.extend(known.chain(new));
+        takers.sort_unstable_by_key(|taker| taker.key);
+        takers
     }
 
     /// Moves the rows of known particles to their new slots, and adds blank rows for the others.
@@ -218,7 +229,7 @@ impl<V: Space> ParticleStore<V> {
             let Some(properties) = altered.get(&self.former[i].index()) else { continue };
             let before = &self.body[i];
             let is_same = before.radius.total_cmp(&properties.radius).is_eq()
-                && (before.inverse_mass == 0.0) == properties.never_moves();
+                && (before.inverse_mass == 0.0) == properties.is_fixed();
             if !is_same {
                 self.altered.push(Slot::of(i));
             }
@@ -228,8 +239,10 @@ impl<V: Space> ParticleStore<V> {
 
     fn set_properties(&mut self, i: usize, properties: &Properties) {
         let Properties { radius, mass, inverse_mass, inverse_inertia, species, .. } = *properties;
-        (self.body[i].radius, self.body[i].inverse_mass) = (radius, inverse_mass);
-        (self.mass[i], self.species[i]) = (mass, species);
+        self.body[i].radius = radius;
+        self.body[i].inverse_mass = inverse_mass;
+        self.mass[i] = mass;
+        self.species[i] = species;
         if let Some(rotation) = self.rotation.get_mut(i) {
             rotation.inverse_inertia = inverse_inertia;
         }
@@ -238,7 +251,8 @@ impl<V: Space> ParticleStore<V> {
     /// Fills row `i` for an entering particle, in `gravity`, m/s^2.
     fn fill(&mut self, i: usize, entering: &EntityRowItem<'_, '_, V>, gravity: V) {
         self.entity[i] = entering.entity;
-        (self.body[i].position, self.body[i].velocity) = (entering.position.0, entering.velocity.0);
+        self.body[i].position = entering.position.0;
+        self.body[i].velocity = entering.velocity.0;
         let properties = Properties::of(entering);
         let weight = || entering.mass.map_or(V::ZERO, |mass| gravity * mass.0);
         self.loads.force.set(i, entering.force.map_or_else(weight, |force| force.0));
@@ -308,7 +322,7 @@ mod tests {
         let new = world.spawn(grain(4)).id();
         world.run_system_once(renumber::<Plane>).unwrap();
         let store = world.resource::<ParticleStore>();
-        assert_eq!((&store.entity[..], store.movable_end), (&[grown, same, new, held][..], 3));
+        assert_eq!((&store.entity[..], store.free_end), (&[grown, same, new, held][..], 3));
         assert_eq!(store.former, [Slot::new(1), Slot::new(3), no_slot, Slot::new(2)]);
         let same_before: Vec<_> = (0..4).map(|i| store.same_before(i)).collect();
         assert_eq!(same_before, [no_slot, Slot::new(3), no_slot, no_slot]);

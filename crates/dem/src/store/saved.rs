@@ -13,9 +13,11 @@ use serde::{Deserialize, Serialize};
 use crate::particle::{GrainId, Slot, Species};
 use crate::persist::{EntityNumbers, PersistApp as _, PersistWith as _, Problem, SavedEntities, encode, numbers};
 use crate::space::Space;
+use crate::store::mirror_set::MirrorSet;
 use crate::store::population::Population;
 use crate::store::reorder::smallest_share;
-use crate::store::{Body, Loads, MirrorSet, ParticleStore, Rotation, SpatialOrder, consistent};
+use crate::store::spatial_sort::SpatialOrder;
+use crate::store::{Body, Loads, ParticleStore, Rotation, consistent};
 
 /// A body without its velocity in the middle of the step.
 #[derive(Clone, Copy, Deserialize, Serialize)]
@@ -30,7 +32,10 @@ struct SavedBody<V: Space> {
 /// The numbers of [`Prediction`](crate::store::Prediction) that change during a run.
 #[derive(Deserialize, Serialize)]
 struct SavedPrediction {
-    numbers: [f64; 4],
+    lookahead: f64,
+    share: f64,
+    spin_share: f64,
+    margin: f64,
     lone: Vec<u8>,
 }
 
@@ -53,7 +58,7 @@ struct SavedStore<V: Space> {
     added_power: Option<f64>,
     lifted: f64,
     is_suspect: bool,
-    movable_end: usize,
+    free_end: usize,
     generation: u64,
     travel: f64,
     kick_sum: Option<V>,
@@ -61,8 +66,13 @@ struct SavedStore<V: Space> {
     order: SpatialOrder,
 }
 
-/// The population as it is saved: the touched entities, and whether the order of slots is out of date.
-type SavedPopulation = (Vec<u32>, bool);
+/// The population as it is saved.
+#[derive(Deserialize, Serialize)]
+struct SavedPopulation {
+    /// Numbers of the touched entities.
+    touched: Vec<u32>,
+    is_out_of_date: bool,
+}
 
 /// Registers the store and the population.
 pub(super) fn register<V: Space>(app: &mut App) {
@@ -100,7 +110,10 @@ impl<V: Space> ParticleStore<V> {
             loads: self.loads.clone(),
             rotation: self.rotation.clone(),
             prediction: SavedPrediction {
-                numbers: [prediction.lookahead, prediction.share, prediction.spin_share, prediction.margin],
+                lookahead: prediction.lookahead,
+                share: prediction.share,
+                spin_share: prediction.spin_share,
+                margin: prediction.margin,
                 lone: prediction.lone.clone(),
             },
             half_step: self.half_step,
@@ -108,7 +121,7 @@ impl<V: Space> ParticleStore<V> {
             added_power: self.added_power,
             lifted: self.lifted,
             is_suspect: self.is_suspect,
-            movable_end: self.movable_end,
+            free_end: self.free_end,
             generation: self.generation,
             travel: self.travel,
             kick_sum: self.kick_sum,
@@ -122,7 +135,7 @@ impl<V: Space> ParticleStore<V> {
         let spins = if self.inertia.is_some() { rows } else { 0 };
         let has_all = [saved.entity.len(), saved.body.len(), saved.mass.len(), saved.species.len()] == [rows; 4]
             && saved.rotation.len() == spins
-            && saved.movable_end <= rows;
+            && saved.free_end <= rows;
         let loads = &saved.loads;
         // The other lists get their lengths with the next force pass.
         let has_loads = loads.force.fits(rows) && (loads.torque.fits(spins) || loads.torque.is_empty());
@@ -146,23 +159,36 @@ impl<V: Space> ParticleStore<V> {
         self.body = saved.body.into_iter().map(body).collect();
         self.id = saved.id;
         // No cache holds slots from before the restore.
-        (self.former, self.altered) = (vec![Slot::default(); rows], Vec::new());
-        (self.vacated, self.mass, self.species) = (saved.vacated, saved.mass, saved.species);
-        (self.tracks_energy, self.loads, self.rotation) =
-            (saved.loads.force.tracks_energy(), saved.loads, saved.rotation);
+        self.former = vec![Slot::default(); rows];
+        self.altered = Vec::new();
+        self.vacated = saved.vacated;
+        self.mass = saved.mass;
+        self.species = saved.species;
+        self.tracks_energy = saved.loads.force.tracks_energy();
+        self.loads = saved.loads;
+        self.rotation = saved.rotation;
         let prediction = &mut self.prediction;
-        [prediction.lookahead, prediction.share, prediction.spin_share, prediction.margin] = saved.prediction.numbers;
+        prediction.lookahead = saved.prediction.lookahead;
+        prediction.share = saved.prediction.share;
+        prediction.spin_share = saved.prediction.spin_share;
+        prediction.margin = saved.prediction.margin;
         prediction.lone = saved.prediction.lone;
         if prediction.lookahead > 0.0 {
             prediction.middle = vec![V::Apart::default(); rows];
             prediction.middle_spin = vec![V::Spin::default(); spins];
         }
-        (self.half_step, self.lifted, self.is_suspect) = (saved.half_step, saved.lifted, saved.is_suspect);
-        (self.added, self.added_power) = (saved.added, saved.added_power);
-        self.movable_end = saved.movable_end;
+        self.half_step = saved.half_step;
+        self.lifted = saved.lifted;
+        self.is_suspect = saved.is_suspect;
+        self.added = saved.added;
+        self.added_power = saved.added_power;
+        self.free_end = saved.free_end;
         self.smallest_share = smallest_share(&self.body);
-        (self.generation, self.travel, self.order) = (saved.generation, saved.travel, saved.order);
-        (self.kick_sum, self.spin_kick_sum) = (saved.kick_sum, saved.spin_kick_sum);
+        self.generation = saved.generation;
+        self.travel = saved.travel;
+        self.order = saved.order;
+        self.kick_sum = saved.kick_sum;
+        self.spin_kick_sum = saved.spin_kick_sum;
         self.stale = MirrorSet::ALL;
         Ok(())
     }
@@ -170,11 +196,12 @@ impl<V: Space> ParticleStore<V> {
 
 impl Population {
     fn to_saved(&self, numbers: &EntityNumbers) -> SavedPopulation {
-        (self.touched.iter().filter_map(|&entity| numbers.get(entity)).collect(), self.is_out_of_date)
+        let touched = self.touched.iter().filter_map(|&entity| numbers.get(entity)).collect();
+        SavedPopulation { touched, is_out_of_date: self.is_out_of_date }
     }
 
-    fn restore(&mut self, (touched, is_out_of_date): SavedPopulation, entities: &SavedEntities) {
-        self.touched = touched.into_iter().filter_map(|number| entities.get(number)).collect();
-        self.is_out_of_date = is_out_of_date;
+    fn restore(&mut self, saved: SavedPopulation, entities: &SavedEntities) {
+        self.touched = saved.touched.into_iter().filter_map(|number| entities.get(number)).collect();
+        self.is_out_of_date = saved.is_out_of_date;
     }
 }

@@ -8,37 +8,16 @@
 use std::any::TypeId;
 
 use bevy_ecs::change_detection::Tick;
-use bevy_ecs::component::ComponentInfo;
-use bevy_ecs::lifecycle::ComponentHooks;
-use bevy_ecs::observer::Observer;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ApplyDeferred, ScheduleGraph, SystemWithAccess};
 
 use crate::space::Space;
 use crate::step::Phase;
-use crate::store::declared_access::{AccessReader, PhaseSets, ancestors};
-use crate::store::mirror::MirrorSet;
+use crate::store::declared_access::{AccessReader, Need, PhaseSets, ancestors};
+use crate::store::foreign_code::{ForeignObservers, have_foreign_hooks};
+use crate::store::mirror_set::MirrorSet;
 use crate::store::predictable_conditions::PredictableConditions;
 use siloflow_text::fault::Fault;
-
-/// Marker resource of systems that read positions, properties and forces in the store, but not velocities.
-#[derive(Resource, Default)]
-pub(crate) struct ReadsPlaces;
-
-/// Marker resource of systems that read velocities or spins in the store.
-#[derive(Resource, Default)]
-pub(crate) struct ReadsMotion;
-
-/// The component use of systems that share their gates.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Need {
-    pub(super) reads: MirrorSet,
-    pub(super) writes: MirrorSet,
-    /// Whether the systems use velocities and spins of grains, as components or in the store.
-    pub(super) reads_motion: bool,
-    /// The numbers of the gates: the systems run only if all are open.
-    pub(super) gates: Vec<usize>,
-}
 
 /// The plan of one phase.
 #[derive(Debug, Default)]
@@ -49,9 +28,6 @@ pub(super) struct PhasePlan {
     /// Whether components are synced before and after the phase.
     pub(super) is_synchronised: bool,
 }
-
-/// Observers of other crates.
-pub(super) type ForeignObservers = QueryState<(), (With<Observer>, Without<OwnObserver>)>;
 
 /// The sync plan, and its result for the present phase.
 #[derive(Resource, Debug)]
@@ -71,15 +47,6 @@ pub(crate) struct Plan {
     searched_components: usize,
     has_hooks: bool,
 }
-
-/// Systems with commands that add no observer and no component with hooks. A scene with only these systems needs no
-/// check for observers and hooks.
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct PlainCommands;
-
-/// Marks siloflow's own observers, which use no mirrored component.
-#[derive(Component)]
-pub(crate) struct OwnObserver;
 
 impl Plan {
     /// Whether any ungated system reads a mirrored component of free particles.
@@ -103,12 +70,11 @@ impl Plan {
         let searched_components = world.resource::<Self>().searched_components;
         let components = world.components();
         if components.len() != searched_components {
-            let foreign =
-                |(_, info): (_, &ComponentInfo)| has_hook(info.hooks()) && is_foreign(&info.name().to_string());
             let count = components.len();
-            let has_hooks = components.iter_registered().any(foreign);
+            let has_hooks = have_foreign_hooks(components);
             let mut plan = world.resource_mut::<Self>();
-            (plan.searched_components, plan.has_hooks) = (count, has_hooks);
+            plan.searched_components = count;
+            plan.has_hooks = has_hooks;
         }
         world.resource::<Self>().has_hooks || observers.iter(world).next().is_some()
     }
@@ -189,75 +155,3 @@ impl Plan {
 
 /// The phases from the kick to the next drift.
 const AFTER_KICK: [Phase; 5] = [Phase::Kick, Phase::Control, Phase::Cull, Phase::Observe, Phase::Spawn];
-
-/// Whether a component has any hook.
-fn has_hook(hooks: &ComponentHooks) -> bool {
-    type Hook = bevy_ecs::lifecycle::ComponentHook;
-    const NOTHING: Hook = |_, _| {};
-    let mut copy = hooks.clone();
-    copy.try_on_add(NOTHING).is_none()
-        || copy.try_on_insert(NOTHING).is_none()
-        || copy.try_on_discard(NOTHING).is_none()
-        || copy.try_on_remove(NOTHING).is_none()
-        || copy.try_on_despawn(NOTHING).is_none()
-}
-
-/// The crates of siloflow.
-const OWN_CRATES: [&str; 3] = ["siloflow", "siloflow_kernel", "siloflow_automaton"];
-
-/// The crates of Bevy that siloflow depends on, also through others. Their hooks read no mirrored component. Other crates take names that
-/// begin with `bevy_` too.
-const CRATES_OF_BEVY: [&str; 7] =
-    ["bevy_app", "bevy_ecs", "bevy_platform", "bevy_ptr", "bevy_reflect", "bevy_tasks", "bevy_utils"];
-
-/// Returns the path of a type or function without the name of its crate, if it is one of siloflow's crates.
-#[must_use]
-pub fn path_in_siloflow(name: &str) -> Option<&str> {
-    path_in(&OWN_CRATES, name)
-}
-
-/// Returns the path of a type without the name of its crate, if it is one of `crates`.
-fn path_in<'a>(crates: &[&str], name: &'a str) -> Option<&'a str> {
-    let (of, path) = name.split_once("::")?;
-    crates.contains(&of).then_some(path)
-}
-
-/// Whether hooks of a component type of this name may read mirrored components. A name without a known crate counts.
-fn is_foreign(name: &str) -> bool {
-    path_in_siloflow(name).or_else(|| path_in(&CRATES_OF_BEVY, name)).is_none()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn components_of_this_crate_are_not_foreign() {
-        let name = std::any::type_name::<crate::particle::Radius>();
-        assert_eq!(path_in_siloflow(name), Some("particle::Radius"));
-        assert_eq!(path_in_siloflow("siloflow_of_a_user::Heat"), None);
-        assert_eq!(path_in_siloflow("siloflow_lattice::sites::Sites"), Some("sites::Sites"));
-        assert_eq!(path_in_siloflow("siloflow::door::DoorPlugin"), Some("door::DoorPlugin"));
-        assert_eq!(path_in_siloflow("siloflow"), None);
-    }
-
-    #[test]
-    fn crates_that_only_look_like_those_of_bevy_are_foreign() {
-        let of_bevy = [std::any::type_name::<ChildOf>(), std::any::type_name::<Observer>()];
-        assert!(of_bevy.iter().all(|name| !is_foreign(name)), "{of_bevy:?}");
-        for name in ["bevy_heat::Warm", "bevy_ecs_tilemap::Tile", "bevy_ecs", "bevy::Heat", "&bevy_ecs::name::Name", ""]
-        {
-            assert!(is_foreign(name), "{name}");
-        }
-    }
-
-    #[test]
-    fn the_crates_of_bevy_are_those_that_siloflow_depends_on() {
-        let lock = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.lock")).unwrap();
-        let names = lock.lines().filter_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
-        // Macros are not in a program.
-        let of_bevy =
-            names.filter(|name| name.starts_with("bevy_") && !name.contains("macro") && !name.contains("derive"));
-        assert_eq!(of_bevy.collect::<Vec<_>>(), CRATES_OF_BEVY);
-    }
-}

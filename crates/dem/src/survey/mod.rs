@@ -115,19 +115,19 @@ impl<'a, V: Space> Survey<'a, V> {
                 visit_walls(i, self.contacts_with(i, row.iter().map(|pair| pair.second())));
             }
         } else {
-            for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
+            for i in store.free_rows() {
                 visit_walls(i, self.contacts_with_walls(i));
             }
         }
     }
 
-    /// Returns the contacts of the movable particle in slot `i` with walls, ascending.
+    /// Returns the contacts of the free particle in slot `i` with walls, ascending.
     fn contacts_with_walls(&self, i: usize) -> Vec<(usize, Pair<V>)> {
         let body = &self.store.body[i];
         self.contacts_with(i, self.walls.near(body.position, body.radius + self.store.prediction.range).iter())
     }
 
-    /// Returns the contacts of the movable particle in slot `i` with these walls, ascending.
+    /// Returns the contacts of the free particle in slot `i` with these walls, ascending.
     fn contacts_with(&self, i: usize, walls: impl Iterator<Item = usize>) -> Vec<(usize, Pair<V>)> {
         let mut contacts = geometry::WallContacts::default();
         contacts.find(self.store, i, (&self.walls.all, walls), 0.0, |_, _| {});

@@ -10,7 +10,7 @@ use crate::space::{Plane, Space};
 use crate::survey::view::{ContactState, Touched};
 use crate::survey::{Partner, Survey};
 
-/// One contact, seen from the particle in the lower slot, which is movable. SI.
+/// One contact, seen from the particle in the lower slot, which is free. SI.
 #[derive(Clone, Copy)]
 pub struct Touching<'a, V: Space = Plane> {
     survey: Survey<'a, V>,
@@ -36,7 +36,7 @@ impl<'a, V: Space> Survey<'a, V> {
 
     /// Iterates over all contacts with wall surfaces of particles that are present, in ascending order of slots.
     pub fn touching_walls(self) -> impl Iterator<Item = Touching<'a, V>> {
-        let rows = (0..self.store.movable_end).filter(move |&i| self.store.is_present(i));
+        let rows = self.store.free_rows().filter(move |&i| self.store.is_present(i));
         rows.flat_map(move |i| {
             let of_row = self.contacts_with_walls(i).into_iter();
             let of_row =

@@ -36,7 +36,7 @@ impl NearWalls {
             return &[];
         }
         if has_changed || self.has_expired(store, walls) {
-            let grains = &store.body[..store.movable_end];
+            let grains = &store.body[..store.free_end];
             let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
             self.pairs.clear();

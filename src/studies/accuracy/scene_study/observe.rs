@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
 use crate::ledger::Ledger;
-use crate::output::summary::{Cost, Summary, movable_grains};
+use crate::output::summary::{Cost, Summary, free_grains};
 use crate::scene::loaded::Loaded;
 use crate::simulation::Simulation;
 use siloflow_dem::gravity::Gravity;
@@ -62,7 +62,7 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
     let mut cost = Cost::default();
     let start = Instant::now();
-    let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
+    let end = simulation.advance_to_end(|world| cost.particle_steps += free_grains(world) as u64);
     cost.wall_s = start.elapsed().as_secs_f64();
     // The mean height is meaningful only if no grain has left, because grains outside fall without a limit.
     let no_grain_is_out = simulation.world().resource::<Ledger>().out() == 0;
@@ -113,7 +113,7 @@ fn mean_height_in<V: Space>(world: &World) -> Option<f64> {
     let store = world.resource::<ParticleStore<V>>();
     let gravity = world.resource::<Gravity<V>>().0;
     let up = gravity * (-1.0 / gravity.length_squared().sqrt());
-    let grains = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
+    let grains = store.integrated_rows();
     let heights: Vec<f64> = grains.map(|i| store.body[i].position.dot(up)).collect();
     let lowest = heights.iter().copied().reduce(f64::min)?;
     #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]

@@ -4,15 +4,24 @@
 
 use std::ops::Range;
 
-use crate::neighbours::list::{Candidate, PairList};
+use crate::neighbours::candidate::Candidate;
 
 /// State of the marks of a list.
 #[derive(Debug, Default)]
 pub(super) struct Marks {
-    /// Version of the list and of the choice when pairs were last marked.
-    marked_at: (u64, u64),
+    /// When pairs were last marked.
+    marked_at: Versions,
     /// The largest difference of the slots of a candidate.
     span: usize,
+}
+
+/// Numbers of changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Versions {
+    /// Changes of the list.
+    list: u64,
+    /// Changes of the choice.
+    choice: u64,
 }
 
 /// The particles whose pairs are marked.
@@ -26,27 +35,28 @@ pub struct Chosen<'a> {
     pub version: u64,
 }
 
-impl PairList {
-    /// Marks the pairs that contain a chosen particle, and no others.
-    pub fn mark(&mut self, chosen: Chosen<'_>) {
-        let now = (self.version, chosen.version);
-        let before = std::mem::replace(&mut self.marks.marked_at, now);
+impl Marks {
+    /// Marks the pairs that contain a chosen particle, and no others. `version` is that of the list with these `pairs`, and `copies`
+    /// are the copies of some of them in its tasks.
+    pub(super) fn mark<'a>(
+        &mut self,
+        version: u64,
+        pairs: &'a mut [Candidate],
+        copies: impl Iterator<Item = &'a mut [Candidate]>,
+        chosen: Chosen<'_>,
+    ) {
+        let now = Versions { list: version, choice: chosen.version };
+        let before = std::mem::replace(&mut self.marked_at, now);
         if before == now {
             return;
         }
-        if before == (now.0, now.1.wrapping_sub(1)) {
-            let span = self.marks.span;
-            self.all_mut().for_each(|pairs| mark_near(pairs, span, chosen));
+        if before == (Versions { choice: now.choice.wrapping_sub(1), ..now }) {
+            let span = self.span;
+            std::iter::once(pairs).chain(copies).for_each(|pairs| mark_near(pairs, span, chosen));
         } else {
-            self.marks.span = self.pairs.iter().map(|pair| pair.second() - pair.first()).max().unwrap_or(0);
-            self.all_mut().for_each(|pairs| mark_all(pairs, chosen));
+            self.span = pairs.iter().map(|pair| pair.second() - pair.first()).max().unwrap_or(0);
+            std::iter::once(pairs).chain(copies).for_each(|pairs| mark_all(pairs, chosen));
         }
-    }
-
-    /// Returns the pairs of the list and the copies of some of them in its tasks.
-    fn all_mut(&mut self) -> impl Iterator<Item = &mut [Candidate]> {
-        let incoming = self.tasks.iter_mut().map(|task| &mut task.incoming[..]);
-        std::iter::once(&mut self.pairs[..]).chain(incoming)
     }
 }
 
@@ -82,6 +92,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::neighbours::list::PairList;
 
     /// Returns the marked pairs of a list and of its tasks.
     fn marked(list: &PairList) -> Vec<Vec<[usize; 2]>> {

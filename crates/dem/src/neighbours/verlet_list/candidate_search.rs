@@ -6,8 +6,8 @@
 //! are wider; the result is the same. Threads divide the rows among them.
 
 use crate::neighbours::cells::{Cells, MAX_REACH};
-use crate::neighbours::contact_range;
-use crate::neighbours::verlet_list::VerletList;
+use crate::neighbours::range::contact_range;
+use crate::neighbours::verlet_list::anchors::Anchors;
 use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::space::Space;
 use crate::store::ParticleStore;
@@ -15,7 +15,7 @@ use crate::threads::Threads;
 
 /// One search.
 pub(super) struct CandidateSearch<'a, V: Space> {
-    verlet: &'a VerletList<V>,
+    anchors: &'a Anchors<V>,
     store: &'a ParticleStore<V>,
     /// Largest distance at which two particles touch, m.
     range: f64,
@@ -28,10 +28,10 @@ pub(super) struct CandidateSearch<'a, V: Space> {
 
 impl<'a, V: Space> CandidateSearch<'a, V> {
     /// Prepares a search among the particles of `store`. Their anchors must be set.
-    pub(super) fn new(verlet: &'a VerletList<V>, store: &'a ParticleStore<V>) -> Self {
-        let widest = verlet.anchors.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
+    pub(super) fn new(anchors: &'a Anchors<V>, store: &'a ParticleStore<V>) -> Self {
+        let widest = anchors.all.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
         let cells = Cells::new(f64::MIN_POSITIVE, store.periodic);
-        let mut search = Self { verlet, store, range: contact_range(store), widest, slow: verlet.skin, cells };
+        let mut search = Self { anchors, store, range: contact_range(store), widest, slow: anchors.skin, cells };
         if search.all_are_slow() {
             search.slow = widest;
         }
@@ -48,14 +48,14 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
 
     #[inline]
     fn is_fast(&self, i: usize) -> bool {
-        self.verlet.anchors[i].allowance > self.slow
+        self.anchors.all[i].allowance > self.slow
     }
 
     /// Returns the search radius of particle `i` in cells.
     #[inline]
     fn reach(&self, i: usize) -> f64 {
         if self.is_fast(i) {
-            ((self.range + self.verlet.anchors[i].allowance + self.widest) / self.side()).ceil()
+            ((self.range + self.anchors.all[i].allowance + self.widest) / self.side()).ceil()
         } else {
             1.0
         }
@@ -89,7 +89,7 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
         let mut consider = |j: u32| {
             // A pair of equal speed class is found by its higher slot, a mixed pair by its fast member.
             let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
-            if mine && self.verlet.are_near(self.store, row, j as usize) {
+            if mine && self.anchors.are_near(self.store, row, j as usize) {
                 partners.push(j);
             }
         };
@@ -111,6 +111,7 @@ mod tests {
 
     use super::*;
     use crate::neighbours::list::{Candidate, PairList};
+    use crate::neighbours::verlet_list::VerletList;
     use crate::particle::GrainId;
     use crate::periodic::{Periodic, PeriodicSides};
     use crate::space::Solid;
@@ -132,7 +133,7 @@ mod tests {
         ParticleStore {
             id: (0u32..).zip(particles).filter_map(|(number, _)| GrainId::grain(number)).collect(),
             body: particles.iter().map(body).collect(),
-            movable_end: particles.len() - 5,
+            free_end: particles.len() - 5,
             periodic: Periodic::new(&sides).filter(|_| is_periodic),
             ..ParticleStore::default()
         }
@@ -144,7 +145,8 @@ mod tests {
         let mut list = PairList::default();
         verlet.renew(store, &mut list, DT, &threads);
         let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
-        let mut near: Vec<_> = pairs.filter(|pair| verlet.are_near(store, pair.first(), pair.second())).collect();
+        let mut near: Vec<_> =
+            pairs.filter(|pair| verlet.anchors.are_near(store, pair.first(), pair.second())).collect();
         near.sort_unstable();
         assert_eq!(list.pairs(), near);
     }
@@ -178,7 +180,7 @@ mod tests {
             let store = flying(speed, count);
             let mut verlet = VerletList::new(SKIN);
             verlet.renew(&store, &mut PairList::default(), DT, &Threads::one());
-            assert_eq!(CandidateSearch::new(&verlet, &store).slow > SKIN, wide, "{count}");
+            assert_eq!(CandidateSearch::new(&verlet.anchors, &store).slow > SKIN, wide, "{count}");
             for threads in [1, 2] {
                 check(&store, threads);
             }

@@ -7,7 +7,8 @@
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::{Candidate, PairList};
-use crate::neighbours::verlet_list::{Anchor, VerletList};
+use crate::neighbours::verlet_list::VerletList;
+use crate::neighbours::verlet_list::anchors::Anchor;
 use crate::space::Space;
 use crate::store::{ParticleStore, Slot};
 
@@ -26,12 +27,12 @@ impl<V: Space> VerletList<V> {
     ) -> bool {
         let former: Vec<_> = (0..store.len()).map(|i| store.same_before(i)).collect();
         let entries = || (0u32..).zip(&former);
-        let known = |former: &Slot| self.anchors.get(former.index());
+        let known = |former: &Slot| self.anchors.all.get(former.index());
         let newcomers: Vec<_> = entries().filter(|(_, former)| known(former).is_none()).map(|(i, _)| i).collect();
         if newcomers.len() > MAX_UPDATES {
             return false;
         }
-        let mut places = vec![None; self.anchors.len()];
+        let mut places = vec![None; self.anchors.all.len()];
         for (i, former) in entries() {
             if let Some(place) = places.get_mut(former.index()) {
                 *place = Some(i);
@@ -43,8 +44,9 @@ impl<V: Space> VerletList<V> {
         });
         let kept = kept.collect();
         let anchors = former.iter().zip(&store.body);
-        let anchors = anchors.map(|(former, body)| known(former).copied().unwrap_or(Anchor::of(body, self.skin, dt)));
-        self.anchors = anchors.collect();
+        let anchors =
+            anchors.map(|(former, body)| known(former).copied().unwrap_or(Anchor::of(body, self.anchors.skin, dt)));
+        self.anchors.all = anchors.collect();
         self.add_pairs_of(store, list, kept, &newcomers);
         true
     }
@@ -64,7 +66,7 @@ impl<V: Space> VerletList<V> {
         let mut is_exhausted = vec![false; store.len()];
         for i in exhausted.iter().map(|&i| i as usize) {
             is_exhausted[i] = true;
-            self.anchors[i] = Anchor::of(&store.body[i], self.skin, dt);
+            self.anchors.all[i] = Anchor::of(&store.body[i], self.anchors.skin, dt);
         }
         let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_exhausted[i]));
         let others = others.copied().collect();
@@ -81,7 +83,7 @@ impl<V: Space> VerletList<V> {
         newcomers: &[u32],
     ) {
         for (position, &new) in newcomers.iter().enumerate() {
-            let near = (0u32..).take(store.len()).filter(|&j| self.are_near(store, new as usize, j as usize));
+            let near = (0u32..).take(store.len()).filter(|&j| self.anchors.are_near(store, new as usize, j as usize));
             let near = near.filter(|j| !newcomers[..=position].contains(j));
             pairs.extend(near.map(|j| Candidate::new(new.min(j), new.max(j))));
         }
@@ -115,7 +117,7 @@ mod tests {
         };
         let id = (0u32..).zip(places).filter_map(|(number, _)| GrainId::grain(number)).collect();
         let body = places.iter().map(body).collect();
-        ParticleStore { id, body, former, movable_end: places.len() - fixed, ..ParticleStore::default() }
+        ParticleStore { id, body, former, free_end: places.len() - fixed, ..ParticleStore::default() }
     }
 
     proptest! {

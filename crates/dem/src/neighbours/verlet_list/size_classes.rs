@@ -11,8 +11,8 @@
 //! The list is the same as that of [`super::candidate_search`]. Limit: the narrowest class holds all ranges below 2^-15 of the widest.
 
 use crate::neighbours::cells::Cells;
-use crate::neighbours::contact_range;
-use crate::neighbours::verlet_list::VerletList;
+use crate::neighbours::range::contact_range;
+use crate::neighbours::verlet_list::anchors::Anchors;
 use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::space::Space;
 use crate::store::ParticleStore;
@@ -52,7 +52,7 @@ struct Class<V: Space> {
 
 /// One search.
 pub(super) struct SizeClasses<'a, V: Space> {
-    verlet: &'a VerletList<V>,
+    anchors: &'a Anchors<V>,
     store: &'a ParticleStore<V>,
     /// The classes that have members, from the widest to the narrowest.
     classes: Vec<Class<V>>,
@@ -62,8 +62,8 @@ pub(super) struct SizeClasses<'a, V: Space> {
 
 impl<'a, V: Space> SizeClasses<'a, V> {
     /// Prepares a search among the particles of `store`. Their anchors must be set.
-    pub(super) fn new(verlet: &'a VerletList<V>, store: &'a ParticleStore<V>) -> Self {
-        let ranges = || store.body.iter().zip(&verlet.anchors).map(|(body, anchor)| body.radius + anchor.allowance);
+    pub(super) fn new(anchors: &'a Anchors<V>, store: &'a ParticleStore<V>) -> Self {
+        let ranges = || store.body.iter().zip(&anchors.all).map(|(body, anchor)| body.radius + anchor.allowance);
         let widest = ranges().fold(0.0, f64::max);
         let mut class_of: Vec<u8> = ranges().map(|range| class_number(range, widest)).collect();
         let mut members = vec![Vec::new(); MOST_CLASSES];
@@ -85,7 +85,7 @@ impl<'a, V: Space> SizeClasses<'a, V> {
         for class in &mut class_of {
             *class = index[usize::from(*class)];
         }
-        Self { verlet, store, classes, class_of }
+        Self { anchors, store, classes, class_of }
     }
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
@@ -103,7 +103,7 @@ impl<'a, V: Space> SizeClasses<'a, V> {
             let wants = |k: u32| number < own || members[k as usize] < i;
             let mut consider = |k: u32| {
                 let j = members[k as usize];
-                if self.verlet.are_near(self.store, row, j as usize) {
+                if self.anchors.are_near(self.store, row, j as usize) {
                     partners.push(j);
                 }
             };
@@ -135,6 +135,7 @@ mod tests {
 
     use super::*;
     use crate::neighbours::list::{Candidate, PairList};
+    use crate::neighbours::verlet_list::VerletList;
     use crate::particle::GrainId;
     use crate::periodic::{Periodic, PeriodicSides};
     use crate::space::{Plane, Solid};
@@ -156,7 +157,7 @@ mod tests {
         ParticleStore {
             id: (0u32..).zip(particles).filter_map(|(number, _)| GrainId::grain(number)).collect(),
             body: particles.iter().map(body).collect(),
-            movable_end: particles.len() - fixed,
+            free_end: particles.len() - fixed,
             periodic: Periodic::new(&sides).filter(|_| is_periodic),
             ..ParticleStore::default()
         }
@@ -167,14 +168,15 @@ mod tests {
         let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
         let mut verlet = VerletList::new(SKIN);
         verlet.renew(store, &mut PairList::default(), DT, &threads);
-        let parts = SizeClasses::new(&verlet, store).pairs(0, &threads);
+        let parts = SizeClasses::new(&verlet.anchors, store).pairs(0, &threads);
         let mut found: Vec<_> = parts.iter().flat_map(FoundPairs::pairs).collect();
         found.sort_unstable();
         let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
-        let mut near: Vec<_> = pairs.filter(|pair| verlet.are_near(store, pair.first(), pair.second())).collect();
+        let mut near: Vec<_> =
+            pairs.filter(|pair| verlet.anchors.are_near(store, pair.first(), pair.second())).collect();
         near.sort_unstable();
         assert_eq!(found, near);
-        SizeClasses::new(&verlet, store).classes.len()
+        SizeClasses::new(&verlet.anchors, store).classes.len()
     }
 
     proptest! {

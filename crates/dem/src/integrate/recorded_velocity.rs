@@ -1,11 +1,12 @@
-//! The velocity or spin of a particle between the drift and the kick: the one in the middle of the step, or a prediction for
-//! its end beside it ([`centred`](super::centred)). The passes of the integrator are written once for both.
+//! The velocity or spin that the record of a particle holds between the drift and the kick: the one in the middle of the step, or a
+//! prediction for its end, with the one in the middle beside it ([`centred`](super::centred)). The passes of the integrator are written
+//! once for both.
 
 use crate::space::Space;
 use crate::store::{Body, Rotation, swept_radius};
 
-/// How a scheme keeps a velocity or spin, of type `T`, in the record `R` of a particle.
-pub(super) trait Halfway<R, T>: Copy + Sync {
+/// The velocity or spin, of type `T`, that a scheme keeps in the record `R` of a particle.
+pub(super) trait RecordedVelocity<R, T>: Copy + Sync {
     /// The data of a particle that the scheme keeps apart from the record.
     type Apart: Copy + Default + Send;
 
@@ -45,7 +46,7 @@ pub(super) struct Predicted {
     pub(super) share: f64,
 }
 
-impl<V: Space> Halfway<Body<V>, V> for InTheMiddle {
+impl<V: Space> RecordedVelocity<Body<V>, V> for InTheMiddle {
     type Apart = ();
 
     #[inline(always)]
@@ -59,7 +60,7 @@ impl<V: Space> Halfway<Body<V>, V> for InTheMiddle {
     }
 }
 
-impl<V: Space> Halfway<Body<V>, V> for Predicted {
+impl<V: Space> RecordedVelocity<Body<V>, V> for Predicted {
     type Apart = V::Apart;
 
     #[inline(always)]
@@ -74,7 +75,7 @@ impl<V: Space> Halfway<Body<V>, V> for Predicted {
     }
 }
 
-impl<V: Space> Halfway<Rotation<V>, V::Spin> for InTheMiddle {
+impl<V: Space> RecordedVelocity<Rotation<V>, V::Spin> for InTheMiddle {
     type Apart = ();
 
     #[inline(always)]
@@ -88,7 +89,7 @@ impl<V: Space> Halfway<Rotation<V>, V::Spin> for InTheMiddle {
     }
 }
 
-impl<V: Space> Halfway<Rotation<V>, V::Spin> for Predicted {
+impl<V: Space> RecordedVelocity<Rotation<V>, V::Spin> for Predicted {
     type Apart = V::Spin;
 
     #[inline(always)]
