@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::say;
 use crate::output::run_directory::report_of;
 use crate::report;
@@ -42,7 +42,7 @@ pub(super) struct ReportArgs {
     force: bool,
 }
 
-pub(super) fn report(args: &ReportArgs) -> Result<Verdict, Fault> {
+pub(super) fn report(args: &ReportArgs) -> Result<ExitStatus, Fault> {
     distinct(&args.runs)?;
     let target = match (&args.out, &args.runs[..]) {
         (Some(out), _) => out.clone(),
@@ -55,7 +55,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<Verdict, Fault> {
     check_target(&target, args.force)?;
     write(&target, &page, args.out.is_none())?;
     say(&format!("{}\n", target.display()));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Refuses a run that is given twice, and too many.

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{refused, say};
 use crate::output::run_directory::{Depth, is_run, refuse_odd};
 use crate::writers::png;
 use siloflow_text::fault::Fault;
 
-pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
+pub(super) fn render(paths: &[PathBuf]) -> Result<ExitStatus, Fault> {
     let pictures = paths.iter().map(|path| pictures(path)).collect::<Result<Vec<_>, _>>()?;
     let mut has_written = false;
     for svg in pictures.iter().flatten() {
@@ -18,7 +18,7 @@ pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
         }
         has_written = true;
     }
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// The SVG files at a path, in order.
