@@ -1,6 +1,8 @@
-//! A simulation: an app built from a scene (`build`, `particles`), and the loop that steps it (`stepping`).
+//! A simulation: an app built from a scene (`build`, `particles`), and the loop that steps it (`stepping`). [`evaluate`] is a whole run as
+//! one function call.
 
 mod build;
+pub mod evaluate;
 mod particles;
 mod stepping;
 

@@ -10,7 +10,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{check_results, picture_files, say, say_aside, setting, write_results};
 use crate::studies::accuracy::case::Case;
 use crate::studies::accuracy::ladder::{self, Climb, Prepared};
@@ -64,7 +64,7 @@ fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a positive number, for example 1e-2".to_owned())
 }
 
-pub(super) fn accuracy(args: &AccuracyArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn accuracy(args: &AccuracyArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     check_results(&args.out)?;
     let start = Instant::now();
     let tell = |what: &str| {
@@ -95,7 +95,7 @@ fn of_scene(
     scene: &Path,
     registry: &Registry,
     tell: &(dyn Fn(&str) + Sync),
-) -> Result<Verdict, Fault> {
+) -> Result<ExitStatus, Fault> {
     let question = Question {
         scene,
         settings: &args.set,
@@ -107,16 +107,16 @@ fn of_scene(
     let study = question.answer(tell)?;
     let name = format!("{}.json", study.scene);
     let path = args.out.join(&name);
-    let verdict = write_results(&args.out, &[(name, json(&study).into_bytes())]);
+    let status = write_results(&args.out, &[(name, json(&study).into_bytes())]);
     if args.json {
         say(&json(&study));
     } else {
         say(&format!("{}written to {}\n", study.table(), path.display()));
     }
-    Ok(verdict)
+    Ok(status)
 }
 
-fn of_cases(args: &AccuracyArgs, cases: Vec<Case>, tell: &(dyn Fn(&str) + Sync)) -> Result<Verdict, Fault> {
+fn of_cases(args: &AccuracyArgs, cases: Vec<Case>, tell: &(dyn Fn(&str) + Sync)) -> Result<ExitStatus, Fault> {
     tell("what a step costs, in the bed");
     let cost = cost::measure(if args.quick { 3 } else { 7 });
     tell("reference solutions");
@@ -130,13 +130,13 @@ fn of_cases(args: &AccuracyArgs, cases: Vec<Case>, tell: &(dyn Fn(&str) + Sync))
     };
     let climbs: Vec<Climb> = tasks.into_par_iter().with_max_len(1).map(climb).collect();
     let report = Report::new(&climbs, &cost);
-    let verdict = write_results(&args.out, &files(&report)?);
+    let status = write_results(&args.out, &files(&report)?);
     if args.json {
         say(&json(&report));
     } else {
         say(&format!("{}\nwritten to {}\n", report.table(), args.out.display()));
     }
-    Ok(verdict)
+    Ok(status)
 }
 
 fn chosen(names: &[String]) -> Result<Vec<Case>, Fault> {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
 use crate::lattice_silo;
@@ -41,7 +41,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     NonNegative::try_from(number).map(NonNegative::get)
 }
 
-pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fault> {
+pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<ExitStatus, Fault> {
     // A signal ends the command at once: there is nothing to finish.
     let _signals = Signals::catch();
     let scene = args.scene.load()?;
@@ -73,7 +73,7 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
         }
     );
     say(&text);
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Adds a line for each mesh. An edge of one triangle alone is the rim of an opening, or a gap.

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
-use crate::cli::run::{default_directory, run_into};
-use crate::cli::run_path::Call;
+use crate::cli::exit_status::ExitStatus;
+use crate::cli::run::{default_directory, run_scene};
+use crate::cli::run_path::RunOptions;
 use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, check_results, picture_files, refused, say, write_results};
 use crate::scene::facts;
@@ -52,7 +52,7 @@ pub(super) struct CompareArgs {
     json: bool,
 }
 
-pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let paths: Vec<&Path> = std::iter::once(&args.reference).chain(&args.others).map(PathBuf::as_path).collect();
     // All arguments are checked before the first scene is run.
     let mut scenes = paths.iter().map(|path| scene(path)).collect::<Result<Vec<_>, Fault>>()?;
@@ -72,7 +72,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     }
     check_results(&args.out)?;
     let signals = Signals::catch();
-    let call = Call {
+    let options = RunOptions {
         registry,
         threads: ONE_THREAD,
         quiet,
@@ -85,14 +85,14 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     let mut has_run = false;
     for (((run, scene), directory), name) in runs.iter_mut().zip(&mut scenes).zip(&directories).zip(&names) {
         let Some(loaded) = scene else { continue };
-        let verdict = match run_into(directory, loaded, &call) {
-            Ok(report) => report.verdict,
+        let status = match run_scene(directory, loaded, &options) {
+            Ok(result) => result.exit_status,
             Err(fault) => return refused(fault, has_run),
         };
         has_run = true;
-        if verdict != Verdict::Done {
+        if status != ExitStatus::Done {
             tracing::error!("{name} did not end as it should: nothing was compared");
-            return Ok(verdict);
+            return Ok(status);
         }
         match read::run(directory, name, &facts::read_outline) {
             Ok(read) => *run = Some(read),
@@ -103,17 +103,17 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
 }
 
 /// Compares the runs and writes the results.
-fn write_report(args: &CompareArgs, runs: Vec<Option<Run>>) -> Result<Verdict, Fault> {
+fn write_report(args: &CompareArgs, runs: Vec<Option<Run>>) -> Result<ExitStatus, Fault> {
     let runs: Vec<Run> = runs.into_iter().flatten().collect();
-    let Some((reference, others)) = runs.split_first() else { return Ok(Verdict::Done) };
+    let Some((reference, others)) = runs.split_first() else { return Ok(ExitStatus::Done) };
     let report = compare_runs(reference, others, f64::from(args.looks))?;
     let mut files = vec![("compare.csv".to_owned(), report.csv().into_bytes())];
     for (name, svg) in pictures::all(&runs, &report) {
         files.extend(picture_files(name, svg)?);
     }
-    let verdict = write_results(&args.out, &files);
+    let status = write_results(&args.out, &files);
     show(args, &report);
-    Ok(verdict)
+    Ok(status)
 }
 
 /// The scene at `path`, if the path names a scene.

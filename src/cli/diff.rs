@@ -12,7 +12,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::progress::Progress;
 use crate::cli::say;
 use crate::scene::load;
@@ -70,7 +70,7 @@ struct Report {
     divergence: Option<Divergence>,
 }
 
-pub(super) fn diff(args: &DiffArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn diff(args: &DiffArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let mut scenes = [open(&args.first, args.until)?, open(&args.second, args.until)?];
     let until = end_together(&mut scenes);
     let build = |scene: &AnyScene| match scene {
@@ -92,7 +92,7 @@ pub(super) fn diff(args: &DiffArgs, registry: &Registry, quiet: bool) -> Result<
         divergence,
     };
     say(&if args.json { serde_json::to_string_pretty(&report).unwrap_or_default() + "\n" } else { words(&report) });
-    Ok(if report.same { Verdict::Done } else { Verdict::Different })
+    Ok(if report.same { ExitStatus::Done } else { ExitStatus::Different })
 }
 
 /// The scene of a run directory, or at a path.

@@ -17,9 +17,9 @@ pub const EXIT_STATUSES: [(&str, &str); 9] = [
     ("152", "interrupted by SIGXCPU, at the limit of processor time"),
 ];
 
-/// The result of a command that could be carried out.
+/// The exit status of a command whose input and call were right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum ExitStatus {
     Done,
     /// The simulation failed, or a file could not be written after the start.
     Failed,
@@ -29,12 +29,12 @@ pub(super) enum Verdict {
     Interrupted(u8),
 }
 
-/// The exit status of a wrong input or call.
+/// The number for a wrong input or call.
 pub(super) const REFUSED: u8 = 2;
 
-impl Verdict {
-    /// Returns the exit status.
-    pub(super) fn status(self) -> u8 {
+impl ExitStatus {
+    /// Returns the number that the process returns.
+    pub(super) fn number(self) -> u8 {
         match self {
             Self::Done => 0,
             Self::Failed | Self::Different => 1,

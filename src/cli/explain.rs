@@ -8,7 +8,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 
 use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
 use crate::lattice_silo::load::LoadedLattice;
 use crate::scene::loaded::{AnyScene, Loaded};
@@ -21,14 +21,14 @@ use siloflow_lattice::rules::Rules;
 use siloflow_lattice::sites::Sites;
 use siloflow_text::fault::Fault;
 
-pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
+pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<ExitStatus, Fault> {
     match args.load()? {
         AnyScene::Grains(loaded) => explain_grains(&loaded, registry),
         AnyScene::Lattice(loaded) => explain_lattice(&loaded, registry),
     }
 }
 
-fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdict, Fault> {
+fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<ExitStatus, Fault> {
     let simulation = Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
     let sites = simulation.world().resource::<Sites>();
     let Rules { spacing, p, q, b, k, g, h, walls } = loaded.rules;
@@ -57,10 +57,10 @@ fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdic
         None => writeln!(text),
     };
     say(&text);
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
-fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault> {
+fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<ExitStatus, Fault> {
     let caller = Caller::CommandLine;
     let mut simulation = Simulation::with(loaded, registry, ONE_THREAD, caller, Box::new(|_| Ok(())), None)?;
     // Step zero releases the first grain and writes no file. Then the world shows the components of a grain.
@@ -86,7 +86,7 @@ fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault
     describe_systems(simulation.world(), &mut text);
     describe_outputs(loaded, &mut text);
     say(&text);
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Lists the parameters of a scene with their values. Writing to a string cannot fail.

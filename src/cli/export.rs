@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::export_scene::{self, LAMMPS};
 use crate::cli::{SceneArgs, help_to_write, say, setting};
 use crate::scene::extent::most_bytes;
@@ -62,7 +62,7 @@ fn formats() -> Vec<&'static str> {
     Target::ALL.into_iter().map(|(name, _)| name).chain([LAMMPS]).collect()
 }
 
-pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<ExitStatus, Fault> {
     if args.to == LAMMPS {
         let scene = SceneArgs { scene: args.run.clone(), set: args.set.clone(), seed: args.seed };
         return export_scene::export(&scene, args.out.clone(), quiet);
@@ -117,7 +117,7 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
         Target::Parquet => target.join("grains.parquet"),
     };
     say(&format!("{}: {count} frames\n", shown.display()));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// The fault of a directory without frames, with the codes of no directory, no run, a lattice gas, and no frames.

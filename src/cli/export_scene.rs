@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{SceneArgs, say, say_aside, unwritable};
 use crate::lammps::{self, DATA, SCRIPT};
 use crate::scene::loaded::AnyScene;
@@ -13,7 +13,7 @@ use siloflow_text::fault::Fault;
 pub(super) const LAMMPS: &str = "lammps";
 
 /// Writes the scene of `args` into the directory `out`, by default `out/<scene name>-lammps`.
-pub(super) fn export(args: &SceneArgs, out: Option<PathBuf>, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn export(args: &SceneArgs, out: Option<PathBuf>, quiet: bool) -> Result<ExitStatus, Fault> {
     if args.scene.is_dir() {
         let shown = args.scene.display();
         return Err(Fault::new("export::not_a_scene", format!("{shown} is a directory; --to {LAMMPS} takes a scene"))
@@ -44,5 +44,5 @@ pub(super) fn export(args: &SceneArgs, out: Option<PathBuf>, quiet: bool) -> Res
             target.display()
         ));
     }
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }

@@ -44,7 +44,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::behaviour::Registry;
 pub use crate::cli::exit_status::EXIT_STATUSES;
-use crate::cli::exit_status::{REFUSED, Verdict};
+use crate::cli::exit_status::{ExitStatus, REFUSED};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use siloflow_figures::png;
@@ -211,7 +211,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Man(args) => shell::man(args),
     };
     match result {
-        Ok(verdict) => verdict.status(),
+        Ok(status) => status.number(),
         Err(fault) => {
             show(fault);
             REFUSED
@@ -241,12 +241,12 @@ fn show(fault: Fault) {
 }
 
 /// Returns a fault of the input, or reports it as a failure if the command has already changed something.
-fn refused(fault: Fault, has_changed: bool) -> Result<Verdict, Fault> {
+fn refused(fault: Fault, has_changed: bool) -> Result<ExitStatus, Fault> {
     if !has_changed {
         return Err(fault);
     }
     show(fault);
-    Ok(Verdict::Failed)
+    Ok(ExitStatus::Failed)
 }
 
 /// Checks that results can be written to a directory, before the work for them begins.
@@ -261,10 +261,10 @@ fn unwritable(directory: &Path, error: &std::io::Error) -> Fault {
 
 /// Writes the results of a study or comparison: all of them or none. A failure comes after the start, so it is no error of
 /// the call.
-fn write_results(directory: &Path, files: &[(String, Vec<u8>)]) -> Verdict {
-    let Err(error) = run_directory::write_results(directory, files) else { return Verdict::Done };
+fn write_results(directory: &Path, files: &[(String, Vec<u8>)]) -> ExitStatus {
+    let Err(error) = run_directory::write_results(directory, files) else { return ExitStatus::Done };
     show(unwritable(directory, &error));
-    Verdict::Failed
+    ExitStatus::Failed
 }
 
 /// Returns a picture as the two files `name.svg` and `name.png`.

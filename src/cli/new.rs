@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::say;
 use crate::scene::shipped::{self, SCENES, Shipped};
 use siloflow_files::whole_file;
@@ -26,7 +26,7 @@ pub(super) struct NewArgs {
     from: Option<String>,
 }
 
-pub(super) fn new(args: &NewArgs) -> Result<Verdict, Fault> {
+pub(super) fn new(args: &NewArgs) -> Result<ExitStatus, Fault> {
     let (directory, stem) = place(&args.name)?;
     let files = match &args.from {
         None => vec![shipped::template(&format!("{stem}.ron"))],
@@ -48,7 +48,7 @@ pub(super) fn new(args: &NewArgs) -> Result<Verdict, Fault> {
     }
     let scene = paths[0].display();
     say(&format!("wrote {scene}\nnext:  siloflow check {scene}\n       siloflow run {scene} --report\n"));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Returns the directory of a new scene, and its name without the ending.
@@ -75,7 +75,7 @@ fn shipped_scene(name: &str) -> Result<&'static Shipped, Fault> {
     })
 }
 
-pub(super) fn scenes() -> Verdict {
+pub(super) fn scenes() -> ExitStatus {
     let mut text = String::new();
     for scene in &SCENES {
         // Writing to a string cannot fail.
@@ -84,5 +84,5 @@ pub(super) fn scenes() -> Verdict {
     say(&format!(
         "{text}\nsiloflow new my-silo --from silo1  copies a scene. In a clone of the repository they are in scenes/.\n"
     ));
-    Verdict::Done
+    ExitStatus::Done
 }

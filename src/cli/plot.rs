@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{check_results, picture_files, say, write_results};
 use siloflow_results::plot::{self, Figure};
 use siloflow_results::run_results::RunResults;
@@ -34,7 +34,7 @@ pub(super) struct PlotArgs {
     force: bool,
 }
 
-pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
+pub(super) fn plot(args: &PlotArgs) -> Result<ExitStatus, Fault> {
     let mut runs = args.runs.iter().map(|run| RunResults::open(run)).collect::<Result<Vec<_>, _>>()?;
     RunResults::distinguish(&mut runs.iter_mut().collect::<Vec<_>>());
     let runs: Vec<_> = runs.iter().collect();
@@ -60,13 +60,13 @@ pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
             .help("replace it with --force, or give another directory with --out"));
     }
     check_results(&directory)?;
-    let verdict = write_results(&directory, &files);
-    if verdict == Verdict::Done {
+    let status = write_results(&directory, &files);
+    if status == ExitStatus::Done {
         for (name, _) in &files {
             say(&format!("{}\n", directory.join(name).display()));
         }
     }
-    Ok(verdict)
+    Ok(status)
 }
 
 /// Returns the figure of this name.

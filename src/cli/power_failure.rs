@@ -17,8 +17,8 @@ use tempfile::TempDir;
 
 use crate::behaviour::{Behaviour, Registry};
 use crate::cli::disk_recorder::{Disk, Operation, Tree, make, record, tree};
-use crate::cli::run::{resume, run_into};
-use crate::cli::run_path::{Call, Report};
+use crate::cli::run::{resume, run_scene};
+use crate::cli::run_path::{RunOptions, RunResult};
 use crate::cli::signals::Signals;
 use crate::measure::outputs::OutputApp as _;
 use crate::output::run_path::RunPath;
@@ -143,8 +143,8 @@ impl Place {
         self.here.path().canonicalize().unwrap().join(name)
     }
 
-    fn call(&self, force: bool) -> Call<'_> {
-        Call {
+    fn options(&self, force: bool) -> RunOptions<'_> {
+        RunOptions {
             registry: &self.registry,
             threads: NonZeroUsize::MIN,
             quiet: true,
@@ -161,12 +161,12 @@ impl Place {
         fs::write(self.path("scene.ron"), text).unwrap();
         let mut scene = load::any(&self.path("scene.ron"), &[]).unwrap();
         record(&self.path("out"), || {
-            run_into(&self.path("out/run"), &mut scene, &self.call(force)).unwrap();
+            run_scene(&self.path("out/run"), &mut scene, &self.options(force)).unwrap();
         })
     }
 
-    fn resume(&self, run: &Path) -> Result<Report, Fault> {
-        resume(run, false, &self.call(false))
+    fn resume(&self, run: &Path) -> Result<RunResult, Fault> {
+        resume(run, false, &self.options(false))
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::say;
 use crate::scene::facts;
 use siloflow_files::own_files;
@@ -43,7 +43,7 @@ pub(super) struct ReportArgs {
     force: bool,
 }
 
-pub(super) fn report(args: &ReportArgs) -> Result<Verdict, Fault> {
+pub(super) fn report(args: &ReportArgs) -> Result<ExitStatus, Fault> {
     distinct(&args.runs)?;
     let target = match (&args.out, &args.runs[..]) {
         (Some(out), _) => out.clone(),
@@ -56,7 +56,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<Verdict, Fault> {
     check_target(&target, args.force)?;
     write(&target, &page, args.out.is_none())?;
     say(&format!("{}\n", target.display()));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Refuses a run that is given twice, and too many.

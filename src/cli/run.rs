@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::{ArgGroup, Args};
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::from::Origin;
-use crate::cli::run_path::{Call, Report, carry_on, carry_out};
+use crate::cli::run_path::{RunOptions, RunResult, resume_from, run_from_start};
 use crate::cli::signals::Signals;
 use crate::cli::{SceneArgs, say};
 use crate::output::checkpoint::find;
@@ -20,7 +20,7 @@ use siloflow_text::fault::Fault;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "options of a call")]
+#[expect(clippy::struct_excessive_bools, reason = "options of a command")]
 #[command(group(ArgGroup::new("start").required(true).args(["scene", "resume"])))]
 pub(super) struct RunArgs {
     #[command(flatten)]
@@ -66,18 +66,18 @@ fn minutes(text: &str) -> Result<NonNegative, String> {
     NonNegative::try_from(number)
 }
 
-pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let signals = Signals::catch();
     let RunArgs { threads, force, checkpoint_every, report, .. } = *args;
     let origin = args.from.as_ref().map(|run| Origin::of(run, registry)).transpose()?;
     let parent = origin.as_ref().map(|origin| origin.parent.clone());
-    let call = Call { registry, threads, quiet, force, signals: &signals, checkpoint_every, parent, report };
+    let options = RunOptions { registry, threads, quiet, force, signals: &signals, checkpoint_every, parent, report };
     let result = match (&args.resume, &args.scene) {
-        (Some(directory), _) => resume(directory, args.accept_damage, &call)?,
+        (Some(directory), _) => resume(directory, args.accept_damage, &options)?,
         (None, Some(scene)) => {
             let mut scene = args.load(scene, origin)?;
             let path = args.out.clone().map_or_else(|| default_directory(&scene), Ok)?;
-            run_into(&path, &mut scene, &call)?
+            run_scene(&path, &mut scene, &options)?
         }
         // The command line asks for one of them.
         (None, None) => return Err(Fault::new("call::scene", "no scene is given").help("siloflow run SCENE.ron")),
@@ -87,11 +87,11 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
     } else if !quiet {
         say(&result.words);
     }
-    Ok(result.verdict)
+    Ok(result.exit_status)
 }
 
 /// Continues the run in a directory from its latest checkpoint.
-pub(super) fn resume(path: &Path, accepts_damage: bool, call: &Call) -> Result<Report, Fault> {
+pub(super) fn resume(path: &Path, accepts_damage: bool, options: &RunOptions) -> Result<RunResult, Fault> {
     let directory = RunDirectory::reopen(path)?;
     let found = find::latest(path)?;
     let header = found.header().clone();
@@ -104,8 +104,8 @@ pub(super) fn resume(path: &Path, accepts_damage: bool, call: &Call) -> Result<R
     let checkpoint = found.read(&scene)?;
     directory.continue_from(header.files, header.steps, accepts_damage)?;
     match &mut scene {
-        AnyScene::Grains(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),
-        AnyScene::Lattice(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),
+        AnyScene::Grains(loaded) => resume_from(&mut **loaded, &directory, &checkpoint, options),
+        AnyScene::Lattice(loaded) => resume_from(&mut **loaded, &directory, &checkpoint, options),
     }
 }
 
@@ -127,10 +127,10 @@ impl RunArgs {
 }
 
 /// Steps a scene to its end and writes the run directory at `path`. Afterwards the scene's own list of grains is empty.
-pub(super) fn run_into(path: &Path, scene: &mut AnyScene, call: &Call) -> Result<Report, Fault> {
+pub(super) fn run_scene(path: &Path, scene: &mut AnyScene, options: &RunOptions) -> Result<RunResult, Fault> {
     match scene {
-        AnyScene::Grains(loaded) => carry_out(&mut **loaded, path, call),
-        AnyScene::Lattice(loaded) => carry_out(&mut **loaded, path, call),
+        AnyScene::Grains(loaded) => run_from_start(&mut **loaded, path, options),
+        AnyScene::Lattice(loaded) => run_from_start(&mut **loaded, path, options),
     }
 }
 

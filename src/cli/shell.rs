@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory as _};
 use clap_complete::Shell;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{Cli, say, unwritable};
 use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
@@ -34,14 +34,14 @@ pub(super) struct ManArgs {
     out: PathBuf,
 }
 
-pub(super) fn completions(args: &CompletionsArgs) -> Verdict {
+pub(super) fn completions(args: &CompletionsArgs) -> ExitStatus {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "siloflow", &mut script);
     say(&String::from_utf8_lossy(&script));
-    Verdict::Done
+    ExitStatus::Done
 }
 
-pub(super) fn man(args: &ManArgs) -> Result<Verdict, Fault> {
+pub(super) fn man(args: &ManArgs) -> Result<ExitStatus, Fault> {
     let mut program = Cli::command();
     program.build();
     let commands = program.get_subcommands().filter(|command| command.get_name() != "help");
@@ -54,7 +54,7 @@ pub(super) fn man(args: &ManArgs) -> Result<Verdict, Fault> {
         whole_file::write(&args.out.join(name), content).map_err(|error| unwritable(&args.out, &error))?;
     }
     say(&format!("{}: {} pages\n", args.out.display(), pages.len()));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// The file of a command's page: its name and content.
@@ -95,7 +95,7 @@ mod tests {
         let out = here.path().join("man1");
         fs::create_dir(&out).unwrap();
         fs::write(out.join("other.1"), "of another program").unwrap();
-        assert_eq!(man(&ManArgs { out: out.clone() }).unwrap(), Verdict::Done);
+        assert_eq!(man(&ManArgs { out: out.clone() }).unwrap(), ExitStatus::Done);
         for name in commands() {
             let page = fs::read_to_string(out.join(format!("siloflow-{name}.1"))).unwrap();
             assert!(page.contains(".SH NAME") && page.contains(&format!("siloflow\\-{name} \\-")), "{page}");

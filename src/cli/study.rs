@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{check_results, picture_files, say, say_aside, write_results};
 use crate::studies::study::figures::Flights;
 use crate::studies::study::plan::{Case, Plan};
@@ -34,7 +34,7 @@ pub(super) struct StudyArgs {
     threads: Option<NonZeroUsize>,
 }
 
-pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<ExitStatus, Fault> {
     let (plan, cases) = Plan::read(&args.study)?;
     check_results(&args.out)?;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
@@ -48,7 +48,7 @@ pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
     for (name, svg) in report::pictures(&plan, &results, &flights) {
         files.extend(picture_files(&name, svg)?);
     }
-    let verdict = write_results(&args.out, &files);
+    let status = write_results(&args.out, &files);
     let updates: u64 = results.0.iter().map(|replica| replica.updates).sum();
     #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
     let speed = updates as f64 / seconds / 1e6;
@@ -57,7 +57,7 @@ pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
         results.0.len(),
         args.out.display()
     ));
-    Ok(verdict)
+    Ok(status)
 }
 
 fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) -> Result<Results, Fault> {

@@ -12,7 +12,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args};
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::progress::Progress;
 use crate::cli::run::directory_named;
 use crate::cli::signals::Signals;
@@ -74,7 +74,7 @@ pub(super) struct SweepArgs {
     force: bool,
 }
 
-pub(super) fn sweep(args: &SweepArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn sweep(args: &SweepArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let sweep = Sweep::read(&args.sweep)?;
     let path = args.out.clone().map_or_else(|| directory_named(&sweep.name), Ok)?;
     if args.list {
@@ -95,7 +95,7 @@ pub(super) fn sweep(args: &SweepArgs, registry: &Registry, quiet: bool) -> Resul
     let (directory, failures) = complete(&sweep, &path, &tasks, effort, &signals, registry, quiet)?;
     if let Some(signal) = signals.received() {
         tracing::error!("interrupted: the same command continues the sweep in {}", path.display());
-        return Ok(Verdict::Interrupted(signal));
+        return Ok(ExitStatus::Interrupted(signal));
     }
     match args.task {
         Some(_) => Ok(conclude_part(&sweep, &directory, &tasks, &failures)),
@@ -204,7 +204,7 @@ fn check(sweep: &Sweep, todo: &[Task], registry: &Registry, quiet: bool) -> Resu
 }
 
 /// Checks all points and lists all runs.
-fn list(sweep: &Sweep, path: &Path, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+fn list(sweep: &Sweep, path: &Path, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let tasks = sweep.tasks();
     let directory = SweepDirectory::find(path, sweep)?;
     check(sweep, &tasks, registry, quiet)?;
@@ -224,7 +224,7 @@ fn list(sweep: &Sweep, path: &Path, registry: &Registry, quiet: bool) -> Result<
     let _ =
         writeln!(text, "{} runs: {} points, {} seeds", tasks.len(), sweep.points.len(), sweep.plan.seeds.list().len());
     say(&text);
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Prepares the directory and prints the script of a job array.
@@ -235,7 +235,7 @@ fn script(
     path: &Path,
     registry: &Registry,
     quiet: bool,
-) -> Result<Verdict, Fault> {
+) -> Result<ExitStatus, Fault> {
     let tasks = sweep.tasks();
     check(sweep, &tasks, registry, quiet)?;
     let absolute = |path: &Path| {
@@ -256,5 +256,5 @@ fn script(
     };
     let scheduler = Scheduler::ALL.into_iter().find(|(known, _)| *known == name);
     say(&calls.script(scheduler.map_or(Scheduler::Slurm, |(_, scheduler)| scheduler)));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::cli::exit_status::Verdict as Status;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::{Effort, available_cores, complete};
 use crate::cli::{picture_files, refused, say, show, unwritable};
@@ -59,7 +59,7 @@ pub(super) struct ValidateArgs {
     force: bool,
 }
 
-pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) -> Result<Status, Fault> {
+pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let mut cases = args.cases.iter().map(|name| Case::named(name)).collect::<Result<Vec<_>, _>>()?;
     if cases.is_empty() {
         cases = CASES.to_vec();
@@ -70,7 +70,7 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
     refuse_content(&args.out)?;
     let form = if args.full { Form::Full } else { Form::Short };
     let signals = Signals::catch();
-    let mut status = Status::Done;
+    let mut status = ExitStatus::Done;
     for (number, case) in cases.into_iter().enumerate() {
         let directory = args.out.join(case.name);
         if let Err(error) = write_inputs(&args.out, &directory, case) {
@@ -84,16 +84,16 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
         let Some(studies) = studies else {
             if let Some(signal) = signals.received() {
                 tracing::error!("interrupted: the same command continues the validation in {}", args.out.display());
-                return Ok(Status::Interrupted(signal));
+                return Ok(ExitStatus::Interrupted(signal));
             }
-            status = Status::Failed;
+            status = ExitStatus::Failed;
             continue;
         };
         let judgement = match (case.judge)(&studies) {
             Ok(judgement) => judgement,
             Err(fault) => {
                 show(fault);
-                status = Status::Failed;
+                status = ExitStatus::Failed;
                 continue;
             }
         };
@@ -104,25 +104,25 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
         if !quiet {
             say(&in_words(&section));
         }
-        if section.judgement.has_new_miss() && status == Status::Done {
-            status = Status::Different;
+        if section.judgement.has_new_miss() && status == ExitStatus::Done {
+            status = ExitStatus::Different;
         }
         if let Err(fault) = write(&args.out, &section) {
             show(fault);
-            return Ok(Status::Failed);
+            return Ok(ExitStatus::Failed);
         }
     }
-    if !quiet && status != Status::Failed {
+    if !quiet && status != ExitStatus::Failed {
         say(&format!("written to   {}\n", args.out.display()));
     }
     Ok(status)
 }
 
-fn list(cases: &[&Case]) -> Status {
+fn list(cases: &[&Case]) -> ExitStatus {
     for case in cases {
         say(&format!("{:<18} {}\n{:<18} {}\n", case.name, case.title, "", case.sources));
     }
-    Status::Done
+    ExitStatus::Done
 }
 
 /// Refuses a directory with content that is no validation.

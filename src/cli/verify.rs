@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::say;
 use crate::output::verification::{self, Verification};
 use siloflow_text::fault::Fault;
@@ -39,7 +39,7 @@ struct Verified {
     found: Verification,
 }
 
-pub(super) fn verify(args: &VerifyArgs, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn verify(args: &VerifyArgs, quiet: bool) -> Result<ExitStatus, Fault> {
     // A wrong path is found before the work begins.
     args.runs.iter().try_for_each(|run| verification::check(run))?;
     let mut all = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn verify(args: &VerifyArgs, quiet: bool) -> Result<Verdict, Fault> {
     if args.json {
         say(&(serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"));
     }
-    Ok(if all.iter().all(|verified| verified.is_sound) { Verdict::Done } else { Verdict::Different })
+    Ok(if all.iter().all(|verified| verified.is_sound) { ExitStatus::Done } else { ExitStatus::Different })
 }
 
 fn words(Verified { run, is_sound, found }: &Verified) -> String {

@@ -1,34 +1,30 @@
-//! `flow.csv` of a lattice gas: the [field of mean velocity](crate::measure::flow) over the middle of its discharge.
+//! The particles of a lattice gas in `flow.csv`, the [field of mean velocity](crate::output::flow) over the middle of its discharge.
 //!
-//! The file is like the `flow.csv` of grains ([`output::flow`](crate::output::flow)). The field has cells of
-//! `flow.cell` m. A sample is taken every `flow.sample` steps while the share of particles that are out is from
+//! The field has cells of `flow.cell` m. A sample is taken every `flow.sample` steps while the share of particles that are out is from
 //! `flow.from` to `flow.to`. All particles have equal weight. Velocities are in m per step: `vx_m_per_step`,
 //! `vy_m_per_step`.
 
-use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParamItem;
 
-use crate::measure::flow::{Flow, FlowField};
-use crate::measure::{ObserveStage, due, observe_every};
-use crate::writers::rows::{Rows, TakenOnce};
-use siloflow_dem::outcome::Outcome;
-use siloflow_dem::persist::PersistApp as _;
-use siloflow_dem::step::Step;
-use siloflow_files::growing::OutputPlace;
+use crate::measure::flow::FlowField;
+use crate::output::flow::{FlowSource, Progress};
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_lattice::velocities::{in_bonds, momentum};
 
-#[derive(Resource)]
-struct FlowSampler {
-    config: Flow,
-    field: FlowField,
-    file: Rows,
-}
+/// The particles of the gas as the field of mean velocity counts them.
+pub(crate) struct FlowOfLattice;
 
-fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>, mut outcome: ResMut<Outcome>) {
-    let FlowSampler { config, field, file } = &mut *sampler;
-    if config.samples_at(gas.out(), gas.entered()) {
+impl FlowSource for FlowOfLattice {
+    const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step";
+    type Particles = (Res<'static, Sites>, Res<'static, Gas>);
+
+    fn progress((_, gas): &SystemParamItem<Self::Particles>) -> Progress {
+        Progress { out: gas.out(), released: gas.entered() }
+    }
+
+    fn add_to((sites, gas): &SystemParamItem<Self::Particles>, field: &mut FlowField) {
         for s in sites.fluid() {
             let state = gas.states()[s];
             let count = state.count_ones();
@@ -39,39 +35,5 @@ fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>
                 field.add_several(x.x, x.y, count, [share * vx, share * vy]);
             }
         }
-        field.end_sample();
-    }
-    if outcome.end().is_some() {
-        file.append(format_args!("{}", field.rows()), &mut outcome);
-    }
-}
-
-/// Plugin that samples the field and writes `flow.csv` at the end of the run.
-pub(crate) struct FlowPlugin {
-    config: Flow,
-    sampler: TakenOnce<FlowSampler>,
-}
-
-impl FlowPlugin {
-    /// Creates the file with its header, or continues it.
-    pub fn create(config: Flow, place: &OutputPlace) -> std::io::Result<Self> {
-        let file = Rows::at(place, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
-        let field = FlowField::new(config.cell.get());
-        Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
-    }
-}
-
-impl Plugin for FlowPlugin {
-    fn build(&self, app: &mut App) {
-        let Some(sampler) = self.sampler.open() else { return };
-        observe_every::<Flow>(app, self.config.sample.get());
-        app.persist_sound_part::<FlowSampler, _>(
-            |sampler| Ok((sampler.file.saved()?, sampler.field.clone())),
-            |sampler, (length, field)| {
-                sampler.field.restore(field)?;
-                sampler.file.restore(length)
-            },
-        );
-        app.insert_resource(sampler).add_systems(Step, sample.in_set(ObserveStage::Write).run_if(due::<Flow>));
     }
 }

@@ -1,9 +1,7 @@
-//! `summary.json` of a lattice gas: the results of a run, in a stable format for scripts.
+//! The results of a run of the lattice gas in [`summary.json`](crate::output::summary), its state hash and `state.csv`.
 //!
-//! `format` increases when a key is removed or changes its meaning. Keys may be added without a new format. A value is
-//! `null` if its event did not happen.
+//! A value is `null` if its event did not happen.
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use bevy_ecs::prelude::*;
@@ -14,7 +12,7 @@ use crate::lattice_silo::door::DoorState;
 use crate::lattice_silo::load::LoadedLattice;
 use crate::lattice_silo::rest::RestDetector;
 use crate::measure::outputs::{self, Values};
-use crate::writers::SUMMARY_FORMAT;
+use crate::output::summary::{Cost, Results, Summary};
 use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
 use siloflow_dem::outcome::End;
@@ -22,31 +20,13 @@ use siloflow_dem::persist::CheckpointFigures;
 use siloflow_dem::step::Clock;
 use siloflow_dem::threads::Threads;
 use siloflow_files::fnv::Fnv;
-use siloflow_files::hashes::SummaryFiles;
-use siloflow_files::run_files::Damage;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::rules::Rules;
 use siloflow_lattice::sites::Sites;
 
-/// The content of `summary.json`.
+/// The results of a run of the lattice gas.
 #[derive(Debug, Serialize)]
-pub struct Summary {
-    /// Version of the format, [`SUMMARY_FORMAT`].
-    pub format: u32,
-    /// Name of the scene.
-    pub scene: String,
-    /// Values of the scene's parameters. The key is absent if the scene has none.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub parameters: BTreeMap<String, f64>,
-    /// Method of the scene: `LatticeGas`.
-    pub method: &'static str,
-    /// End of the run: `empty`, `at_rest`, `time_reached` for a regular end, `interrupted` by a signal, `failed` for a
-    /// failure.
-    pub status: &'static str,
-    /// Cause of a failure.
-    pub failure: Option<String>,
-    /// Number of completed steps.
-    pub steps: u64,
+pub struct LatticeResults {
     /// Number of fluid sites.
     pub sites: usize,
     /// Numbers of particles.
@@ -68,11 +48,6 @@ pub struct Summary {
     pub checkpoints: Option<CheckpointFigures>,
     /// Hash of the final state ([`state_hash`]), as 16 hexadecimal digits.
     pub state_hash: String,
-    /// Damaged files without which the run was continued. The key is absent without any.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub damaged: Vec<Damage>,
-    /// The files of the run; `null` unless `siloflow run` wrote the summary.
-    pub files: Option<SummaryFiles>,
 }
 
 /// Numbers of particles: entered = inside + out.
@@ -127,31 +102,45 @@ pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result
     Ok(())
 }
 
-impl Summary {
-    /// Creates the summary of a run that ended with `end` after `wall_s` seconds of wall-clock time.
+impl Results for LatticeResults {
+    const METHOD: Option<&'static str> = Some("LatticeGas");
+
+    fn lost(&self) -> u32 {
+        0
+    }
+}
+
+impl Summary<LatticeResults> {
+    /// Returns the summary of a run that ended with `end` after `wall_s` seconds of wall-clock time.
     #[must_use]
-    pub fn of(world: &mut World, loaded: &LoadedLattice, end: &End, wall_s: f64) -> Self {
+    pub fn of_lattice(
+        world: &mut World,
+        loaded: &LoadedLattice,
+        end: &End,
+        wall_s: f64,
+        provenance: Option<Provenance>,
+    ) -> Self {
+        let results = LatticeResults::of(world, loaded, wall_s, provenance);
+        Self::new(world, &loaded.source, &loaded.scene.parameters, end, results)
+    }
+}
+
+/// Returns the number of site updates of a run so far.
+#[must_use]
+pub fn site_updates(world: &World) -> u64 {
+    world.resource::<Clock>().steps * world.resource::<Sites>().fluid_count() as u64
+}
+
+impl LatticeResults {
+    /// Returns the results of a run that took `wall_s` seconds of wall-clock time.
+    fn of(world: &mut World, loaded: &LoadedLattice, wall_s: f64, provenance: Option<Provenance>) -> Self {
         let behaviours = outputs::summary_values(world);
         let sites = world.resource::<Sites>();
         let gas = world.resource::<Gas>();
-        let clock = world.resource::<Clock>();
-        let failure = match end {
-            End::Failed(failure) => Some(failure.to_string()),
-            _ => None,
-        };
-        let site_updates = clock.steps * sites.fluid_count() as u64;
-        #[expect(clippy::cast_precision_loss, reason = "a speed needs few digits")]
-        let speed = site_updates as f64 / wall_s.max(f64::MIN_POSITIVE);
+        let cost = Cost { wall_s, updates: site_updates(world) };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of steps")]
         let empty_step = world.resource::<EmptyTime>().0.map(|time| time as u64);
         Self {
-            format: SUMMARY_FORMAT,
-            scene: loaded.source.name.clone(),
-            parameters: loaded.scene.parameters.clone(),
-            method: "LatticeGas",
-            status: end.word(),
-            failure,
-            steps: clock.steps,
             sites: sites.fluid_count(),
             particles: Particles { entered: gas.entered(), inside: gas.inside(), out: gas.out() },
             rest_step: world.get_resource::<RestDetector>().and_then(|rest| rest.rest_step),
@@ -160,15 +149,13 @@ impl Summary {
             behaviours,
             performance: Performance {
                 wall_s,
-                site_updates,
-                site_updates_per_s: speed,
+                site_updates: cost.updates,
+                site_updates_per_s: cost.updates_per_s(),
                 peak_memory_bytes: peak_memory(),
                 threads: world.resource::<Threads>().count(),
                 rules: loaded.rules,
             },
-            provenance: None,
-            damaged: Vec::new(),
-            files: None,
+            provenance,
             checkpoints: world.get_resource().copied(),
             state_hash: format!("{:016x}", state_hash(sites, gas)),
         }

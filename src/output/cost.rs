@@ -39,7 +39,7 @@ impl RunCost {
     /// The cost until now.
     #[must_use]
     pub fn cost(&self) -> Cost {
-        Cost { wall_s: self.wall_s(), particle_steps: self.updates }
+        Cost { wall_s: self.wall_s(), updates: self.updates }
     }
 }
 

@@ -11,11 +11,17 @@
 //! | `count` | | mean number of grains per sample |
 //! | `vx_m_per_s`, `vy_m_per_s` | m/s | mean velocity: momentum over mass |
 //!
+//! A run of the lattice gas has the same file, with `sample` in steps and its own unit of velocity
+//! ([`lattice_silo::flow`](crate::lattice_silo::flow)).
+//!
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::{ReadOnlySystemParam, StaticSystemParam, SystemParamItem};
 
 use crate::ledger::Ledger;
 use crate::measure::flow::{Flow, FlowField};
@@ -28,6 +34,47 @@ use siloflow_dem::space::Plane;
 use siloflow_dem::step::Step;
 use siloflow_files::growing::OutputPlace;
 
+/// The particles of one method, as the field of mean velocity counts them.
+pub(crate) trait FlowSource: Send + Sync + 'static {
+    /// The columns of the file.
+    const HEADER: &str;
+    /// Access to the particles.
+    type Particles: ReadOnlySystemParam;
+
+    /// Returns the progress of the discharge.
+    fn progress(particles: &SystemParamItem<Self::Particles>) -> Progress;
+    /// Adds all particles that count to the field.
+    fn add_to(particles: &SystemParamItem<Self::Particles>, field: &mut FlowField);
+}
+
+/// The progress of a discharge.
+pub(crate) struct Progress {
+    /// Number of particles that are out.
+    pub out: u64,
+    /// Number of particles that entered.
+    pub released: u64,
+}
+
+/// Grains as the field of mean velocity counts them, weighted by mass.
+pub(crate) struct FlowOfGrains;
+
+impl FlowSource for FlowOfGrains {
+    const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_s,vy_m_per_s";
+    type Particles = (Motion<'static, Plane>, Res<'static, Ledger>);
+
+    fn progress((_, ledger): &SystemParamItem<Self::Particles>) -> Progress {
+        Progress { out: ledger.out().into(), released: ledger.released.into() }
+    }
+
+    fn add_to((motion, ledger): &SystemParamItem<Self::Particles>, field: &mut FlowField) {
+        for grain in motion.grains().filter(|&grain| !ledger.is_gone(motion.id(grain))) {
+            let x = motion.position(grain);
+            let v = motion.velocity(grain);
+            field.add(x.x, x.y, motion.mass(grain), v.x, v.y);
+        }
+    }
+}
+
 #[derive(Resource)]
 struct FlowSampler {
     config: Flow,
@@ -35,20 +82,16 @@ struct FlowSampler {
     file: Rows,
 }
 
-const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_s,vy_m_per_s";
-
-fn sample(
-    (motion, ledger): (Motion<Plane>, Res<Ledger>),
+fn sample<S: FlowSource>(
+    particles: StaticSystemParam<S::Particles>,
     mut sampler: ResMut<FlowSampler>,
     mut outcome: ResMut<Outcome>,
 ) {
+    let particles = particles.into_inner();
     let FlowSampler { config, field, file } = &mut *sampler;
-    if config.samples_at(ledger.out().into(), ledger.released.into()) {
-        for grain in motion.grains().filter(|&grain| !ledger.is_gone(motion.id(grain))) {
-            let x = motion.position(grain);
-            let v = motion.velocity(grain);
-            field.add(x.x, x.y, motion.mass(grain), v.x, v.y);
-        }
+    let Progress { out, released } = S::progress(&particles);
+    if config.samples_at(out, released) {
+        S::add_to(&particles, field);
         field.end_sample();
     }
     if outcome.end().is_some() {
@@ -57,24 +100,26 @@ fn sample(
 }
 
 /// Measures and writes the field of mean velocity.
-pub struct FlowPlugin {
+pub(crate) struct FlowPlugin<S> {
     config: Flow,
     sampler: TakenOnce<FlowSampler>,
+    source: PhantomData<S>,
 }
 
-impl FlowPlugin {
+impl<S: FlowSource> FlowPlugin<S> {
     /// Creates the file with its header, or continues it.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(config: Flow, place: &OutputPlace) -> std::io::Result<Self> {
+    pub(crate) fn create(config: Flow, place: &OutputPlace) -> std::io::Result<Self> {
         let field = FlowField::new(config.cell.get());
-        let file = Rows::at(place, HEADER)?;
-        Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
+        let file = Rows::at(place, S::HEADER)?;
+        let sampler = TakenOnce::new(FlowSampler { config, field, file });
+        Ok(Self { config, sampler, source: PhantomData })
     }
 }
 
-impl Plugin for FlowPlugin {
+impl<S: FlowSource> Plugin for FlowPlugin<S> {
     fn build(&self, app: &mut App) {
         let Some(sampler) = self.sampler.open() else { return };
         observe_every::<Flow>(app, self.config.sample.get());
@@ -85,6 +130,6 @@ impl Plugin for FlowPlugin {
                 sampler.file.restore(length)
             },
         );
-        app.insert_resource(sampler).add_systems(Step, sample.in_set(ObserveStage::Write).run_if(due::<Flow>));
+        app.insert_resource(sampler).add_systems(Step, sample::<S>.in_set(ObserveStage::Write).run_if(due::<Flow>));
     }
 }

@@ -68,7 +68,7 @@ fn expand(prefix: &str, tree: &str, all: &mut BTreeSet<String>) {
 fn imports(module: &str, source: &str) -> BTreeSet<String> {
     let code = code(source);
     let mut found = BTreeSet::new();
-    for (at, start) in ["crate::", "super::"].iter().flat_map(|start| code.match_indices(start)) {
+    for (at, start) in ["crate::", "super::"].into_iter().flat_map(|start| code.match_indices(start)) {
         let is_path = at > 0 && code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':' || c == '$');
         if is_path {
             continue;
@@ -88,7 +88,7 @@ fn imports(module: &str, source: &str) -> BTreeSet<String> {
             }
             found.insert(match path.strip_prefix("crate::") {
                 Some(path) => path.to_owned(),
-                None if *start == "super::" && parent.is_empty() => path.to_owned(),
+                None if start == "super::" && parent.is_empty() => path.to_owned(),
                 None => format!("{parent}::{path}"),
             });
         }
@@ -104,7 +104,7 @@ fn of_crate(sources: &Path) -> Imports {
     let sources: BTreeMap<_, _> = files.iter().map(|(module, path)| (module.clone(), read(path))).collect();
     let deepest = |path: &str| {
         let ends = path.match_indices("::").map(|(end, _)| end).chain([path.len()]);
-        ends.map(|end| path[..end].to_owned()).filter(|module| sources.contains_key(module)).next_back()
+        ends.map(|end| path[..end].to_owned()).filter(|module| sources.contains_key(module)).last()
     };
     let of = |(module, source): (&String, &String)| {
         let found = imports(module, source).iter().filter_map(|path| deepest(path)).filter(|other| other != module);

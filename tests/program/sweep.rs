@@ -437,7 +437,7 @@ fn a_run_as_a_function_call_has_the_figures_of_the_program() {
     let settings = [("parameters.height".to_owned(), "0.6".to_owned()), ("seed".to_owned(), "4".to_owned())];
     let registry = siloflow::behaviour::Registry::default();
     let called =
-        siloflow::studies::sweep::evaluate::evaluate(&here.path().join("plate.ron"), &settings, &registry).unwrap();
+        siloflow::simulation::evaluate::evaluate(&here.path().join("plate.ron"), &settings, &registry).unwrap();
     let output =
         siloflow(here.path(), &["-q", "run", "plate.ron", "--set", "parameters.height=0.6", "--seed", "4", "--json"]);
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -445,7 +445,7 @@ fn a_run_as_a_function_call_has_the_figures_of_the_program() {
         assert_eq!(called[key], printed[key], "{key}");
     }
     let wrong = [("parameters.hight".to_owned(), "0.6".to_owned())];
-    assert!(siloflow::studies::sweep::evaluate::evaluate(&here.path().join("plate.ron"), &wrong, &registry).is_err());
+    assert!(siloflow::simulation::evaluate::evaluate(&here.path().join("plate.ron"), &wrong, &registry).is_err());
 }
 
 #[test]

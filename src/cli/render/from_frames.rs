@@ -11,7 +11,7 @@ use super::RenderArgs;
 use super::colours::wanted;
 use super::options;
 use super::selection::Survey;
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
 use crate::cli::{help_to_write, say};
@@ -57,7 +57,7 @@ struct Plan {
     quiet: bool,
 }
 
-pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitStatus, Fault> {
     refuse_odd(run, Depth::Top)?;
     let path = frame_data_of(run);
     if !own_files::is_file(&path) {
@@ -217,7 +217,7 @@ fn unwritten(path: &Path, target: &Path, error: &io::Error) -> Fault {
     Fault::new("render::write", format!("could not write {}: {error}", target.display())).help(help_to_write(error))
 }
 
-fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<Verdict, Fault> {
+fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<ExitStatus, Fault> {
     #[expect(clippy::cast_precision_loss, reason = "a number of frames")]
     let count = plan.selected.len() as f64;
     let seconds = args.duration.map_or_else(|| 1.0 / args.fps.unwrap_or(FPS), |duration| duration / count);
@@ -245,10 +245,10 @@ fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Resu
     let shown = target.display();
     let duration = count * f64::from(delay_ms) / 1000.0;
     say(&format!("{shown}: {count} frames, {} x {} px, {duration:.1} s, {megabytes:.1} MB\n", size[0], size[1]));
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
-fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<Verdict, Fault> {
+fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<ExitStatus, Fault> {
     let ending = args.out.as_ref().and_then(|out| out.extension()?.to_str());
     let is_svg = ending == Some("svg");
     let draw = |frame: &Frame| {
@@ -264,7 +264,7 @@ fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Re
         }
         plan.each(draw, |_, bytes| whole_file::write(target, &bytes)).map_err(fault)?;
         say(&format!("{}\n", target.display()));
-        return Ok(Verdict::Done);
+        return Ok(ExitStatus::Done);
     }
     let part = PartDirectory::create(target, PICTURES).map_err(fault)?;
     plan.each(draw, |time, bytes| std::fs::write(part.path().join(plan.name(time)), bytes)).map_err(fault)?;
@@ -273,5 +273,5 @@ fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Re
     for name in names {
         say(&format!("{}\n", name.display()));
     }
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use self::options::{ColourOption, colour, positive};
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use siloflow_results::pictures::camera::Direction;
 use siloflow_text::fault::Fault;
 
@@ -94,7 +94,7 @@ impl RenderArgs {
     }
 }
 
-pub(super) fn render(args: &RenderArgs, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn render(args: &RenderArgs, quiet: bool) -> Result<ExitStatus, Fault> {
     if !args.is_from_frames() {
         return svg_files::render(&args.paths);
     }

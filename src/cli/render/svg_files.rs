@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::{refused, say};
 use siloflow_figures::png;
 use siloflow_files::run_directory::{Depth, is_run, refuse_odd};
@@ -10,7 +10,7 @@ use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 
-pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
+pub(super) fn render(paths: &[PathBuf]) -> Result<ExitStatus, Fault> {
     let pictures = paths.iter().map(|path| pictures(path)).collect::<Result<Vec<_>, _>>()?;
     let mut has_written = false;
     for svg in pictures.iter().flatten() {
@@ -20,7 +20,7 @@ pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
         }
         has_written = true;
     }
-    Ok(Verdict::Done)
+    Ok(ExitStatus::Done)
 }
 
 /// Renders an SVG file to a PNG beside it and returns its path.

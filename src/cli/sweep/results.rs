@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::cli::exit_status::Verdict;
+use crate::cli::exit_status::ExitStatus;
 use crate::cli::sweep::foreign;
 use crate::cli::sweep::runs::Failure;
 use crate::cli::{picture_files, say, show};
@@ -50,13 +50,13 @@ pub(super) fn conclude_part(
     directory: &SweepDirectory,
     tasks: &[Task],
     failures: &[Failure],
-) -> Verdict {
+) -> ExitStatus {
     match rows(sweep, directory, tasks) {
-        Ok(rows) if list_failures(sweep, &rows, failures) => Verdict::Failed,
-        Ok(_) => Verdict::Done,
+        Ok(rows) if list_failures(sweep, &rows, failures) => ExitStatus::Failed,
+        Ok(_) => ExitStatus::Done,
         Err(fault) => {
             show(fault);
-            Verdict::Failed
+            ExitStatus::Failed
         }
     }
 }
@@ -67,7 +67,7 @@ pub(super) fn gather(
     directory: &SweepDirectory,
     failures: &[Failure],
     quiet: bool,
-) -> Result<Verdict, Fault> {
+) -> Result<ExitStatus, Fault> {
     let rows = rows(sweep, directory, &sweep.tasks())?;
     let cells = table::cells(sweep, &rows);
     let fits = picture::fits(sweep, &cells);
@@ -87,13 +87,13 @@ pub(super) fn gather(
             Fault::new("results::write", format!("could not write to {}: {error}", directory.path().display()))
                 .help("the runs are kept: `siloflow sweep --gather` writes the results when there is space"),
         );
-        return Ok(Verdict::Failed);
+        return Ok(ExitStatus::Failed);
     }
     warn_of_absent_figures(sweep, directory, &rows);
     if !quiet {
         say(&in_words(sweep, directory, &rows, &cells, &fits));
     }
-    Ok(if list_failures(sweep, &rows, failures) { Verdict::Failed } else { Verdict::Done })
+    Ok(if list_failures(sweep, &rows, failures) { ExitStatus::Failed } else { ExitStatus::Done })
 }
 
 /// Warns of figures that no run has, and tells which numbers a run has.

@@ -10,7 +10,6 @@
 //! | fits through the means | [`statistics::fit`](siloflow_figures::statistics::fit) |
 //! | pictures of the means | [`picture`] |
 //! | scripts that make a job array of a sweep | [`script`] |
-//! | one run as a function call, for programs that calibrate | [`evaluate`] |
 //!
 //! Each run is a process of its own on one thread, with a run directory of its own. A run depends on its point and its seed alone, and
 //! all tables list runs in the order of the sweep file. So the tables do not depend on the order of the runs, on the machine that made
@@ -18,7 +17,6 @@
 
 pub mod design;
 pub mod directory;
-pub mod evaluate;
 pub mod figures;
 pub mod picture;
 pub mod plan;

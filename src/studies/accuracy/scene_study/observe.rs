@@ -7,7 +7,8 @@ use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
 use crate::ledger::Ledger;
-use crate::output::summary::{Cost, Summary, free_grains};
+use crate::output::summary::grains::free_grains;
+use crate::output::summary::{Cost, Summary};
 use crate::scene::loaded::Loaded;
 use crate::simulation::Simulation;
 use siloflow_dem::gravity::Gravity;
@@ -62,13 +63,14 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
     let mut cost = Cost::default();
     let start = Instant::now();
-    let end = simulation.advance_to_end(|world| cost.particle_steps += free_grains(world) as u64);
+    let end = simulation.advance_to_end(|world| cost.updates += free_grains(world) as u64);
     cost.wall_s = start.elapsed().as_secs_f64();
     // The mean height is meaningful only if no grain has left, because grains outside fall without a limit.
     let no_grain_is_out = simulation.world().resource::<Ledger>().out() == 0;
     let height = mean_height(simulation.world()).filter(|_| no_grain_is_out);
-    let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
-    let energy = &summary.energy;
+    let summary = Summary::of_grains(simulation.world_mut(), loaded, &end, cost, None);
+    let results = &summary.results;
+    let energy = &results.energy;
     let dissipated = energy.flows.map(|flows| flows.dissipated);
     // The error of the energy balance is relative to the dissipated or the present energy, whichever is larger.
     let turnover = dissipated.unwrap_or(0.0).max(energy.kinetic + energy.rotational + energy.elastic);
@@ -78,26 +80,26 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let failure = if summary.is_done() {
         None
     } else {
-        Some(summary.failure.clone().unwrap_or_else(|| format!("{} grains were lost", summary.grains.lost)))
+        Some(summary.head.failure.clone().unwrap_or_else(|| format!("{} grains were lost", results.grains.lost)))
     };
     Ok(Observed {
         values: [
-            summary.rest_time_s,
-            summary.empty_time_s,
-            summary.discharge.map(|flow| flow.rate_per_s),
+            results.rest_time_s,
+            results.empty_time_s,
+            results.discharge.map(|flow| flow.rate_per_s),
             // An empty window has no packing fraction.
-            summary.bed.map(|bed| bed.packing_fraction).filter(|&fraction| fraction > 0.0),
-            summary.bed.map(|bed| bed.fill_height_m),
+            results.bed.map(|bed| bed.packing_fraction).filter(|&fraction| fraction > 0.0),
+            results.bed.map(|bed| bed.fill_height_m),
             height,
-            Some(summary.max_overlap_ratio).filter(|&ratio| ratio > 0.0),
+            Some(results.max_overlap_ratio).filter(|&ratio| ratio > 0.0),
             dissipated.filter(|&dissipated| dissipated > 0.0),
             kinetic.filter(|&kinetic| kinetic > 0.0),
             energy.balance_error.map(|error| error.abs() / turnover).filter(|error| error.is_finite()),
         ],
         failure,
-        state_hash: summary.state_hash.clone(),
+        state_hash: results.state_hash.clone(),
         wall_s: cost.wall_s,
-        ns_per_particle_step: 1e9 / summary.performance.particle_steps_per_s,
+        ns_per_particle_step: 1e9 / results.performance.particle_steps_per_s,
     })
 }
 

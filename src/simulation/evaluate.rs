@@ -10,8 +10,8 @@ use std::time::Instant;
 use serde_json::Value;
 
 use crate::behaviour::Registry;
-use crate::lattice_silo::summary::Summary as LatticeSummary;
-use crate::output::summary::{Cost, Summary, free_grains};
+use crate::output::summary::grains::free_grains;
+use crate::output::summary::{Cost, Summary};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
@@ -23,7 +23,7 @@ use siloflow_text::fault::Fault;
 /// ```no_run
 /// use std::path::Path;
 /// use siloflow::prelude::*;
-/// use siloflow::studies::sweep::evaluate::evaluate;
+/// use siloflow::simulation::evaluate::evaluate;
 /// use siloflow::studies::sweep::figures::figure;
 ///
 /// let settings = [("contact.tangential.friction".to_owned(), "0.3".to_owned())];
@@ -40,16 +40,16 @@ pub fn evaluate(path: &Path, settings: &[(String, String)], registry: &Registry)
             let mut simulation = Simulation::new(&loaded, registry, NonZeroUsize::MIN)?;
             let mut cost = Cost::default();
             let start = Instant::now();
-            let end = simulation.advance_to_end(|world| cost.particle_steps += free_grains(world) as u64);
+            let end = simulation.advance_to_end(|world| cost.updates += free_grains(world) as u64);
             cost.wall_s = start.elapsed().as_secs_f64();
-            serde_json::to_value(Summary::of(simulation.world_mut(), &loaded, &end, cost))
+            serde_json::to_value(Summary::of_grains(simulation.world_mut(), &loaded, &end, cost, None))
         }
         AnyScene::Lattice(loaded) => {
             let mut simulation = Simulation::of_lattice(&loaded, registry, NonZeroUsize::MIN)?;
             let start = Instant::now();
             let end = simulation.run();
-            let world = simulation.world_mut();
-            serde_json::to_value(LatticeSummary::of(world, &loaded, &end, start.elapsed().as_secs_f64()))
+            let wall_s = start.elapsed().as_secs_f64();
+            serde_json::to_value(Summary::of_lattice(simulation.world_mut(), &loaded, &end, wall_s, None))
         }
     };
     summary.map_err(|error| {

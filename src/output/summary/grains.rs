@@ -1,10 +1,8 @@
-//! `summary.json`: the results of a run in a stable format for scripts.
+//! The results of a run of grains in `summary.json`.
 //!
-//! `format` increases when a key changes its meaning or is removed; adding keys does not change it. Times are in
-//! simulated seconds unless the key says `wall`. Energies are in J. `null` marks an event that did not happen or a
+//! Times are in simulated seconds unless the key says `wall`. Energies are in J. `null` marks an event that did not happen or a
 //! quantity that the scene does not measure.
 
-use std::collections::BTreeMap;
 use std::ops::Add;
 
 use bevy_ecs::prelude::*;
@@ -24,10 +22,10 @@ use crate::measure::outputs::{self, Values};
 use crate::measure::totals;
 use crate::output::losses::IN_SUMMARY;
 use crate::output::parent::Parent;
+use crate::output::summary::{Cost, Results, Summary};
 use crate::output::{outflow, state_hash};
 use crate::rest::RestDetector;
 use crate::scene::loaded::Loaded;
-use crate::writers::SUMMARY_FORMAT;
 use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
 use siloflow_dem::contact::{Contact, LargestOverlap};
@@ -39,26 +37,10 @@ use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::step::Clock;
 use siloflow_dem::store::ParticleStore;
 use siloflow_dem::threads::Threads;
-use siloflow_files::hashes::SummaryFiles;
-use siloflow_files::run_files::Damage;
 
-/// Content of `summary.json`.
+/// The results of a run of grains.
 #[derive(Debug, Serialize)]
-pub struct Summary {
-    /// Version of the format, [`SUMMARY_FORMAT`].
-    pub format: u32,
-    /// Name of the scene.
-    pub scene: String,
-    /// Values of the scene's parameters. The key is absent if the scene has none.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub parameters: BTreeMap<String, f64>,
-    /// `empty`, `at_rest`, `end_of_flow`, `clogged`, `out_reached` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
-    /// not.
-    pub status: &'static str,
-    /// Reason of a failure.
-    pub failure: Option<String>,
-    /// Number of completed steps.
-    pub steps: u64,
+pub struct GrainResults {
     /// Simulated time, s.
     pub time_s: f64,
     /// Grain accounting.
@@ -110,11 +92,6 @@ pub struct Summary {
     pub state_hash: String,
     /// Records of the first hundred lost grains.
     pub losses: Vec<LossRecord>,
-    /// Damaged files without which the run was continued. The key is absent without any.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub damaged: Vec<Damage>,
-    /// The files of the run; `null` unless `siloflow run` wrote the summary.
-    pub files: Option<SummaryFiles>,
 }
 
 /// Grain accounting: released = inside + out + lost.
@@ -189,16 +166,7 @@ pub struct Performance {
     pub contact_law: Contact,
 }
 
-/// Counts and times that the caller of the simulation measures.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Cost {
-    /// Wall-clock time of the steps, s.
-    pub wall_s: f64,
-    /// Sum over all steps of the number of free grains.
-    pub particle_steps: u64,
-}
-
-/// Returns the number of free grains of a world, for [`Cost::particle_steps`].
+/// Returns the number of free grains of a world, for [`Cost::updates`].
 #[must_use]
 pub fn free_grains(world: &World) -> usize {
     match Dimension::of_world(world) {
@@ -236,31 +204,38 @@ fn mass_inside(world: &World) -> f64 {
     }
 }
 
-impl Summary {
+impl Results for GrainResults {
+    const METHOD: Option<&'static str> = None;
+
+    fn lost(&self) -> u32 {
+        self.grains.lost
+    }
+}
+
+impl Summary<GrainResults> {
     /// Returns the summary of a run that ended with `end`.
-    pub fn of(world: &mut World, loaded: &Loaded, end: &End, cost: Cost) -> Self {
+    pub fn of_grains(
+        world: &mut World,
+        loaded: &Loaded,
+        end: &End,
+        cost: Cost,
+        provenance: Option<Provenance>,
+    ) -> Self {
+        let results = GrainResults::of(world, loaded, end, cost, provenance);
+        Self::new(world, &loaded.source, &loaded.scene.parameters, end, results)
+    }
+}
+
+impl GrainResults {
+    /// Returns the results of a run that ended with `end`.
+    fn of(world: &mut World, loaded: &Loaded, end: &End, cost: Cost, provenance: Option<Provenance>) -> Self {
         let totals = totals::of_world(world);
         let state_hash = format!("{:016x}", state_hash::of_world(world));
         let behaviours = outputs::summary_values(world);
         let ledger = world.resource::<Ledger>();
-        let clock = world.resource::<Clock>();
         let flows = world.get_resource::<EnergyFlows>().copied();
-        let failure = match end {
-            End::Failed(failure) => Some(failure.to_string()),
-            _ => None,
-        };
-        let is_over = failure.is_none() && *end != End::Interrupted;
-        let status = if ledger.lost() > 0 && is_over { "grains_lost" } else { end.word() };
-        #[expect(clippy::cast_precision_loss, reason = "a rounded result suffices")]
-        let speed = cost.particle_steps as f64 / cost.wall_s.max(f64::MIN_POSITIVE);
         Self {
-            format: SUMMARY_FORMAT,
-            scene: loaded.source.name.clone(),
-            parameters: loaded.scene.parameters.clone(),
-            status,
-            failure,
-            steps: clock.steps,
-            time_s: clock.time(),
+            time_s: world.resource::<Clock>().time(),
             grains: Grains {
                 released: ledger.released,
                 inside: ledger.inside(),
@@ -299,27 +274,19 @@ impl Summary {
             behaviours,
             performance: Performance {
                 wall_s: cost.wall_s,
-                particle_steps: cost.particle_steps,
-                particle_steps_per_s: speed,
+                particle_steps: cost.updates,
+                particle_steps_per_s: cost.updates_per_s(),
                 peak_memory_bytes: peak_memory(),
                 neighbour_rebuilds: world.resource::<Rebuilds>().0,
                 threads: world.resource::<Threads>().count(),
                 integrator: loaded.scene.integrator,
                 contact_law: loaded.scene.contact,
             },
-            provenance: None,
+            provenance,
             parent: world.get_resource().cloned(),
             checkpoints: world.get_resource().copied(),
             state_hash,
             losses: ledger.lost.iter().take(IN_SUMMARY).cloned().collect(),
-            damaged: Vec::new(),
-            files: None,
         }
-    }
-
-    /// Returns whether the run succeeded: it did not fail and lost no grain.
-    #[must_use]
-    pub fn is_done(&self) -> bool {
-        self.failure.is_none() && self.grains.lost == 0
     }
 }
