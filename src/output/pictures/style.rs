@@ -6,7 +6,6 @@ use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::scene::view;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space, Vector};
-use siloflow_dem::walls::surfaces::Surface;
 
 /// Settings that all pictures of a run share. Lengths are in m.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +94,6 @@ pub fn speeds(header: &Header, frame: &Frame) -> Vec<f64> {
 
 fn endless<V: Space>(loaded: &Loaded) -> Vec<u32> {
     let surfaces = loaded.surfaces::<V>();
-    let endless = surfaces.iter().filter(|wall| matches!(wall.surface, Surface::HalfPlane(_)));
+    let endless = surfaces.iter().filter(|wall| wall.surface.bounds().is_none());
     endless.map(|wall| u32::try_from(wall.number + 1).unwrap_or(u32::MAX)).collect()
 }

@@ -162,7 +162,8 @@ fn walls_are_behind_or_in_front_of_the_grains_and_show_their_borders() {
 fn a_round_wall_shows_its_rims_and_its_outline() {
     use siloflow_dem::particle::Species;
     use siloflow_dem::walls::shapes::revolved::Revolved;
-    use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
+    use siloflow_dem::walls::surface::Surface;
+    use siloflow_dem::walls::surface_wall::SurfaceWall;
     let cylinder = Revolved::between(Solid::new(2.0, 2.0, 1.0), Solid::new(2.0, 2.0, 3.0), [1.0, 1.0]);
     let wall = SurfaceWall::still(Surface::Revolved(cylinder), Species(0));
     let domain = [Solid::ZERO, Solid::splat(4.0)];
