@@ -1,6 +1,6 @@
 //! Door controllers: decide when doors open and shut, and move them.
 //!
-//! A door consists of the wall grains and wall surfaces ([`WallIndex`](siloflow_dem::walls::surfaces::WallIndex)) marked [`Door`] with
+//! A door consists of the wall grains and wall surfaces ([`WallIndex`](siloflow_dem::walls::leaving::WallIndex)) marked [`Door`] with
 //! its number: 0 for the key `door` (door grains of the silo file, and walls with `door: true`), then 1, 2, ... for the entries
 //! of `doors`, which name their walls. A door opens when the bed has come to rest, at a given time, by a schedule, or never.
 //!
@@ -24,7 +24,7 @@ use siloflow_dem::space::{Space, Vector};
 use siloflow_dem::step::{Clock, Phase, Step};
 use siloflow_dem::store::PlainCommands;
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
-use siloflow_dem::walls::outline::Link;
+use siloflow_dem::walls::link::Link;
 use siloflow_dem::walls::surfaces::Surfaces;
 
 /// The scene key `door`.

@@ -76,7 +76,7 @@ use siloflow_dem::store::{
     AfterDeferredKick, AfterRenumbering, BeforeRenumbering, EngineBalance, FirstRenumbering, ParticleStore, Renumber,
     SpinsDrifted, after_kicks, reads_velocities_when,
 };
-use siloflow_dem::walls::surfaces::walls_leave;
+use siloflow_dem::walls::leaving::walls_leave;
 
 /// Energy flows since the start, J. This resource exists if the energy balance is kept.
 #[derive(Resource, Clone, Copy, Debug, Default, Serialize, Deserialize)]

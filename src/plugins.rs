@@ -41,10 +41,10 @@ use siloflow_dem::store::{StorePlugin, clear_forces};
 use siloflow_dem::table_sort::TableSortPlugin;
 use siloflow_dem::walls::config::Wall;
 use siloflow_dem::walls::conveyor::ConveyorPlugin;
+use siloflow_dem::walls::enclosure::Enclosure;
+use siloflow_dem::walls::leaving::LeavingWallsPlugin;
 use siloflow_dem::walls::moving::MovingWallsPlugin;
-use siloflow_dem::walls::outline::Outline;
 use siloflow_dem::walls::paths::SurfaceWalls;
-use siloflow_dem::walls::surfaces::LeavingWallsPlugin;
 use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Adds the end by a clog. If several are asked for, the first to hold is the one of the shortest time.
@@ -215,7 +215,7 @@ pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
     if walls.is_empty() && !loaded.scene.walls.iter().any(Wall::is_surface) {
         return;
     }
-    let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
+    let outline = Enclosure::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
     let is_bounded = loaded.scene.periodic.is_open() && loaded.scene.motions.is_empty();
     let outline = if is_bounded { outline } else { outline.unbounded() };
     if let Some(orifice) = outline.orifice() {

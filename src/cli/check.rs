@@ -20,7 +20,7 @@ use crate::simulation::Simulation;
 use crate::writers::volume::{self, Output, Volume};
 use siloflow_dem::budget::{self, Budget};
 use siloflow_dem::values::NonNegative;
-use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh::open_and_crowded_edges;
 use siloflow_dem::walls::mesh_faults;
 use siloflow_lattice::sites::Sites;
@@ -79,7 +79,7 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<ExitStatus,
 /// Adds a line for each mesh. An edge of one triangle alone is the rim of an opening, or a gap.
 fn describe_meshes(loaded: &Loaded, text: &mut String) {
     for (number, wall) in loaded.scene.walls.iter().enumerate() {
-        let Wall::Mesh { triangles, .. } = wall else { continue };
+        let WallShape::Mesh { triangles, .. } = &wall.shape else { continue };
         let [open, crowded] = open_and_crowded_edges(triangles);
         let count = triangles.len();
         let reversed = mesh_faults::reversed(triangles);

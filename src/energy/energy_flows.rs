@@ -9,7 +9,7 @@ use siloflow_dem::particle::Grain;
 use siloflow_dem::space::Space;
 use siloflow_dem::store::{ParticleStore, Slot};
 use siloflow_dem::survey::{Partner, SurveyParam};
-use siloflow_dem::walls::surfaces::LeavingWalls;
+use siloflow_dem::walls::leaving::LeavingWalls;
 
 /// Returns the kinetic and gravitational energy of a particle, J.
 fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {

@@ -36,7 +36,8 @@ use siloflow_dem::spin::InertiaLaw;
 use siloflow_dem::step::{Clock, Phase, Step};
 use siloflow_dem::store::PlainCommands;
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
-use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::walls::surface_wall::SurfaceWall;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// One entry of the scene key `feed`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

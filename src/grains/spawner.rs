@@ -27,7 +27,8 @@ use siloflow_dem::space::{Solid, Space};
 use siloflow_dem::step::{Clock, Phase, Step};
 use siloflow_dem::store::PlainCommands;
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive, Share};
-use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::walls::surface_wall::SurfaceWall;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// The scene key `spawner`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

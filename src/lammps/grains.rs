@@ -13,7 +13,7 @@ use crate::lammps::{DATA, motions, number, vector};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Solid};
 use siloflow_dem::spin::InertiaLaw;
-use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::{Wall, WallGrain};
 
 /// Half of the depth of the box of a planar scene, m.
 const HALF_DEPTH: f64 = 0.5;
@@ -49,7 +49,7 @@ impl Particles {
             })
             .collect();
         let own = loaded.scene.walls.iter().filter_map(Wall::wall_grain);
-        fixed.extend(own.map(|(centre, radius, species)| FixedAtom {
+        fixed.extend(own.map(|WallGrain { centre, radius, species }| FixedAtom {
             position: centre.padded(),
             radius,
             species: usize::from(species.0),

@@ -22,7 +22,6 @@ use crate::scene::TimeStep;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::space::Solid;
-use siloflow_dem::walls::config::Wall;
 use siloflow_text::fault::Fault;
 
 /// Name of the script.
@@ -194,7 +193,8 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "on a cone LAMMPS takes the contact radius of a cylinder, and on the outer side of a cylinder that of a plane; siloflow takes that of the wall",
     );
     say(
-        !(scene.motions.is_empty() && walls.leaves.is_empty()) || scene.walls.iter().any(Wall::moves_in_place),
+        !(scene.motions.is_empty() && walls.leaves.is_empty())
+            || scene.walls.iter().any(|wall| wall.shape.moves_in_place()),
         "LAMMPS takes the velocity of a wall that moves as its mean over the last step, and as zero in step 0",
     );
     say(

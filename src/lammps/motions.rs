@@ -21,6 +21,8 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Solid;
 use siloflow_dem::values::{Finite, FiniteVector, NonNegative};
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::geometry::OwnSpin;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::motion::{Course, Motion, Values};
 use siloflow_text::fault::Fault;
 
@@ -42,17 +44,11 @@ pub(super) struct RegionMotion {
 pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<RegionMotion, Fault> {
     let mut region = RegionMotion::default();
     let always = "(step*dt)";
-    match wall {
-        Wall::HalfPlane { velocity: Some(velocity), .. } => {
-            region.shift(place, velocity.padded().to_array().map(|rate| product(rate, always)));
-        }
-        Wall::Cylinder { spin: Some(spin), from, to, .. } | Wall::Cone { spin: Some(spin), from, to, .. } => {
-            region.turn(place, &product(spin.get(), always), from.padded(), to.padded() - from.padded());
-        }
-        Wall::Annulus { spin: Some(spin), centre, normal, .. } => {
-            region.turn(place, &product(spin.get(), always), centre.padded(), normal.padded());
-        }
-        _ => {}
+    if let Some(velocity) = wall.shape.own_velocity() {
+        region.shift(place, velocity.padded().to_array().map(|rate| product(rate, always)));
+    }
+    if let Some(OwnSpin { rate, about, axis }) = wall.shape.own_spin() {
+        region.turn(place, &product(rate, always), about, axis);
     }
     if let Some(leaf) = Leaf::of(loaded, wall) {
         let way = leaf.scheduled_way(loaded.step());
@@ -157,7 +153,7 @@ pub(super) fn ways(loaded: &Loaded) -> impl Iterator<Item = [Solid; 2]> {
 
 /// Returns the largest shift of a half-plane, m, in each direction.
 pub(super) fn shift_of_half_planes(loaded: &Loaded) -> Solid {
-    let planes = || loaded.scene.walls.iter().filter(|wall| matches!(wall, Wall::HalfPlane { .. }));
+    let planes = || loaded.scene.walls.iter().filter(|wall| matches!(wall.shape, WallShape::HalfPlane { .. }));
     let motions = loaded.scene.motions.iter();
     let motions = motions.filter(|motion| planes().any(|wall| wall.name() == Some(&motion.walls)));
     let leaves = planes().filter_map(|wall| Leaf::of(loaded, wall)).map(|leaf| leaf.by.abs());

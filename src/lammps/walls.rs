@@ -25,7 +25,8 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::contact::Contact;
 use siloflow_dem::space::{Dimension, Solid};
 use siloflow_dem::values::NonNegative;
-use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::geometry::Cuts;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_text::fault::Fault;
 
 /// The walls of a scene.
@@ -57,9 +58,8 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
     let mut with_edges = 0;
     for (number, (index, wall)) in (1..).zip(surfaces) {
         let key = format!("walls[{index}]");
-        check(loaded, wall, &key)?;
-        let region = region(loaded, wall, &key, number)?;
-        if wall.moves_in_place() && Leaf::of(loaded, wall).is_some() {
+        let region = region(loaded, &wall.shape, &key, number)?;
+        if wall.shape.moves_in_place() && Leaf::of(loaded, wall).is_some() {
             let message = "a door that moves and has a velocity or spin of its own is not written";
             return Err(refused(loaded, &key, message).help("export without the velocity or spin"));
         }
@@ -74,7 +74,7 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
             let one = laws.species() == 1;
             let name = if one { format!("wall_{number}") } else { format!("wall_{number}_{}", grain + 1) };
             let group = if one { "grains".to_owned() } else { format!("species_{}", grain + 1) };
-            let law = laws.wall(grain, wall.species());
+            let law = laws.wall(grain, wall.species);
             let _ = writeln!(walls.lines, "fix {name} {group} wall/gran/region {law} region shape_{number} contacts");
             fixes.push(name);
         }
@@ -88,7 +88,7 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
             }
         }
         walls.fixes.push((number, fixes));
-        let is_plane = matches!(wall, Wall::HalfPlane { .. });
+        let is_plane = matches!(wall.shape, WallShape::HalfPlane { .. });
         walls.has_planes |= is_plane;
         with_edges += usize::from(!is_plane);
     }
@@ -97,47 +97,36 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
     Ok(walls)
 }
 
-fn check(loaded: &Loaded, wall: &Wall, key: &str) -> Result<(), Fault> {
-    let (message, help) = match wall {
-        _ if !matches!(wall.cuts(), (None, None)) => (
-            "LAMMPS has no region for a wall with a hole, or for a part of one",
-            "use panels, cylinders and cones without `hole` and `patch`",
-        ),
-        Wall::Polygon { .. } | Wall::Mesh { .. } => {
-            ("walls of triangles need LAMMPS of July 2026 or later, and are not written", "build the wall from panels")
-        }
-        Wall::Annulus { inner: Some(inner), .. } if inner.get() > 0.0 => {
-            ("LAMMPS has no region for a flat ring", "use panels, or a cone with a slope")
-        }
-        Wall::SphericalZone { .. } => ("LAMMPS has no region for a part of a sphere", "use a cone"),
-        Wall::Disc { .. } => (
-            "a disc or sphere that is a wall surface is not written",
-            "leave out its `name` and `door`: then it is written as a fixed atom",
-        ),
-        _ => return Ok(()),
-    };
-    Err(refused(loaded, key, message).help(help))
-}
-
 /// Returns whether a law that depends on the contact radius meets a round wall.
 pub(super) fn have_another_radius(loaded: &Loaded) -> bool {
     let mut laws = loaded.scene.pairs.iter().map(|pair| &pair.contact).chain([&loaded.scene.contact]);
     laws.any(|law| matches!(law, Contact::Hertz { .. } | Contact::Linear { rolling: Some(_), .. }))
-        && loaded.scene.walls.iter().any(|wall| matches!(wall, Wall::Cylinder { .. } | Wall::Cone { .. }))
+        && loaded
+            .scene
+            .walls
+            .iter()
+            .any(|wall| matches!(wall.shape, WallShape::Cylinder { .. } | WallShape::Cone { .. }))
 }
 
-/// The region command of a wall, with the variable that it needs.
-fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<String, Fault> {
+/// Returns the region command of a wall, with the variable that it needs.
+///
+/// # Errors
+/// If LAMMPS has no such region.
+fn region(loaded: &Loaded, shape: &WallShape, key: &str, place: usize) -> Result<String, Fault> {
     let name = format!("region shape_{place}");
-    Ok(match wall {
-        Wall::HalfPlane { point, normal, .. } => {
+    if !matches!(shape.cuts(), Cuts { hole: None, patch: None }) {
+        let message = "LAMMPS has no region for a wall with a hole, or for a part of one";
+        return Err(refused(loaded, key, message).help("use panels, cylinders and cones without `hole` and `patch`"));
+    }
+    Ok(match shape {
+        WallShape::HalfPlane { point, normal, .. } => {
             let normal = normal.padded() / normal.padded().length();
             format!("{name} plane {} {}\n", vector(point.padded()), vector(normal))
         }
-        Wall::Panel { corner, along, across, .. } => {
+        WallShape::Panel { corner, along, across, .. } => {
             rectangle(&name, place, corner.padded(), [along.padded(), across.padded()])
         }
-        Wall::Segment { from, to, .. } => {
+        WallShape::Segment { from, to } => {
             let along = to.padded() - from.padded();
             let from = from.padded();
             match loaded.scene.space {
@@ -145,21 +134,38 @@ fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<Strin
                 Dimension::Solid => rectangle(&name, place, from, [along, Solid::ZERO]),
             }
         }
-        Wall::Cylinder { from, to, radius, .. } => {
+        WallShape::Cylinder { from, to, radius, .. } => {
             revolved(loaded, &name, key, [from.padded(), to.padded()], [radius.get(); 2])?
         }
-        Wall::Cone { from, to, radii, .. } => {
+        WallShape::Cone { from, to, radii, .. } => {
             revolved(loaded, &name, key, [from.padded(), to.padded()], <[NonNegative; 2]>::from(*radii).map(f64::from))?
         }
-        Wall::Annulus { centre, normal, outer, .. } => {
+        WallShape::Annulus { centre, normal, inner, outer, .. } if inner.is_none_or(|inner| inner.get() <= 0.0) => {
             let (axis, [a, b]) = axis_of(loaded, key, normal.padded())?;
             let centre = centre.padded();
             let [a, b, radius, at] =
                 [centre[a], centre[b], outer.get(), centre["xyz".find(axis).unwrap_or(2)]].map(number);
             format!("{name} cylinder {axis} {a} {b} {radius} {at} {at} side out\n")
         }
-        Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::SphericalZone { .. } | Wall::Disc { .. } => String::new(),
+        other => return Err(no_region(loaded, other, key)),
     })
+}
+
+/// Returns the fault of a shape for which LAMMPS has no region.
+fn no_region(loaded: &Loaded, shape: &WallShape, key: &str) -> Fault {
+    let (message, help) = match shape {
+        WallShape::Polygon { .. } | WallShape::Mesh { .. } => {
+            ("walls of triangles need LAMMPS of July 2026 or later, and are not written", "build the wall from panels")
+        }
+        WallShape::Annulus { .. } => ("LAMMPS has no region for a flat ring", "use panels, or a cone with a slope"),
+        WallShape::SphericalZone { .. } => ("LAMMPS has no region for a part of a sphere", "use a cone"),
+        WallShape::Disc { .. } => (
+            "a disc or sphere that is a wall surface is not written",
+            "leave out its `name` and `door`: then it is written as a fixed atom",
+        ),
+        _ => ("LAMMPS has no region for a wall of this shape", "use panels, cylinders and cones"),
+    };
+    refused(loaded, key, message).help(help)
 }
 
 /// A segment of the plane: a band of no thickness that reaches above and below the plane.

@@ -2,7 +2,7 @@
 //!
 //! Every `sample` seconds each contact with a wall of the band's name adds its force on the wall to the bin of the height of its
 //! contact point. After `average` seconds, or at the end of the run, the sums become means over the area of the walls in the
-//! bin (`walls::area`, for walls in the places of the start):
+//! bin (module `walls::area` of `siloflow_dem`, for walls in the places of the start):
 //!
 //! * *pressure*: sum of the normal forces, over the area;
 //! * *downward traction*: sum of the downward components of the frictional forces on the wall, over the area.
@@ -16,8 +16,7 @@ use siloflow_dem::persist::Problem;
 use siloflow_dem::space::Space;
 use siloflow_dem::survey::{Partner, Survey};
 use siloflow_dem::values::{Finite, NonNegative, Positive};
-use siloflow_dem::walls::area::area_between;
-use siloflow_dem::walls::surfaces::Surface;
+use siloflow_dem::walls::surface::Surface;
 
 /// One entry of the scene key `wall_bands`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -85,7 +84,8 @@ impl BandSampler {
     pub fn new<V: Space>(bands: WallBands, walls: Vec<usize>, surfaces: &[Surface<V>]) -> Self {
         let count = usize::from(bands.bins);
         let mut sampler = Self { bands, walls, areas: Vec::new(), sums: vec![Sums::default(); count] };
-        let area = |[low, high]: [f64; 2]| surfaces.iter().filter_map(|wall| area_between(wall, low, high)).sum();
+        let area =
+            |[low, high]: [f64; 2]| surfaces.iter().filter_map(|wall| wall.shape().area_between(low, high)).sum();
         sampler.areas = (0..count).map(|bin| area(sampler.heights(bin))).collect();
         sampler
     }

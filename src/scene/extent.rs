@@ -10,6 +10,7 @@ use crate::measure::fields::{Layout, MOST_BLOCKS};
 use crate::scene::expected::shapes;
 use crate::scene::loaded::{AnyScene, Loaded};
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 
 /// Most bytes that do not depend on the scene: departures, kicks, sums over a run.
 const BASE: u64 = 16 << 20;
@@ -60,8 +61,8 @@ pub fn most_bytes_of_file(scene: &AnyScene, length: u64) -> u64 {
 fn of_grains(loaded: &Loaded) -> u64 {
     let scene = &loaded.scene;
     let particles = (shapes(loaded) as u64).saturating_mul(OF_PARTICLE);
-    let of_wall = |wall: &Wall| match wall {
-        Wall::Mesh { triangles, .. } => OF_WALL + OF_TRIANGLE * triangles.len() as u64,
+    let of_wall = |wall: &Wall| match &wall.shape {
+        WallShape::Mesh { triangles, .. } => OF_WALL + OF_TRIANGLE * triangles.len() as u64,
         _ => OF_WALL,
     };
     let walls = scene.walls.iter().map(of_wall).fold(0, u64::saturating_add);

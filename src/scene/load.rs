@@ -14,7 +14,7 @@ use crate::scene::check::{Estimates, automatic};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
 use siloflow_dem::contact::history::remembered::{self, Remembered};
-use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh;
 use siloflow_dem::walls::motion::table::Curve;
 use siloflow_dem::walls::silo_file::{self, SiloGeometry};
@@ -66,7 +66,7 @@ pub fn load(path: &Path, settings: &[(String, String)]) -> Result<Loaded, Fault>
 /// Reads the files of the scene's meshes.
 fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
     for (index, wall) in loaded.scene.walls.iter_mut().enumerate() {
-        let Wall::Mesh { file, unit, triangles, .. } = wall else { continue };
+        let WallShape::Mesh { file, unit, triangles } = &mut wall.shape else { continue };
         let key = format!("walls[{index}].file");
         let path = loaded.source.name_file(&key, file);
         let bytes =

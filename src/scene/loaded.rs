@@ -148,7 +148,7 @@ impl Loaded {
         let spawner = self.scene.spawner.iter().map(|spawner| sizes(&spawner.radius));
         let feeds = self.scene.feed.iter().map(|feed| usize::from(feed.species) + sizes(&feed.radius));
         let mixture = spawner.chain(feeds).max().unwrap_or(0);
-        let walls = self.scene.walls.iter().map(|wall| usize::from(wall.species()));
+        let walls = self.scene.walls.iter().map(|wall| usize::from(wall.species));
         let silo = self.scene.silo.iter().map(|silo| usize::from(silo.species));
         let grains = self.grains.iter().map(|grain| usize::from(grain.species.0));
         let fixed = self.fixed.iter().map(|grain| usize::from(grain.species.0));

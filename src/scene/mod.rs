@@ -200,7 +200,7 @@ impl Scene {
     #[must_use]
     pub fn door_of(&self, wall: &Wall) -> Option<u16> {
         let named = (1u16..).zip(&self.doors).find(|(_, door)| wall.name() == Some(&door.walls));
-        named.map(|(number, _)| number).or_else(|| wall.is_door().then_some(0))
+        named.map(|(number, _)| number).or_else(|| wall.door.then_some(0))
     }
 
     /// The conditions that end the run early: `stop`, and rest if `rest.stop` asks for it.

@@ -3,8 +3,7 @@
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
 use siloflow_dem::space::{Dimension, Linear as _, Plane, Solid, Space, Vector};
-use siloflow_dem::walls::shapes::Shape as _;
-use siloflow_dem::walls::surfaces::Surface;
+use siloflow_dem::walls::surface::Surface;
 use siloflow_results::pictures::camera::Camera;
 
 /// Returns the camera of a scene's pictures.
@@ -64,7 +63,7 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
             ball(corner, largest);
         }
     }
-    let bounds = |surface: &Surface<V>| surface.bounds().unwrap_or([surface.reference(); 2]).map(V::spread);
+    let bounds = |surface: &Surface<V>| surface.bounds().unwrap_or([surface.shape().reference(); 2]).map(V::spread);
     let surfaces = loaded.own_surfaces::<V>();
     surfaces.iter().flat_map(|wall| corners_of(bounds(&wall.surface))).for_each(|corner| ball(corner, 0.0));
     if let (Some(cull), Some(low), Some(high)) =

@@ -26,7 +26,8 @@ use siloflow_dem::space::{Dimension, Plane, Solid};
 use siloflow_dem::step::{Clock, Part, Step};
 use siloflow_dem::store;
 use siloflow_dem::threads::Threads;
-use siloflow_dem::walls::surfaces::{self, LeavingWalls, Surfaces, WallIndex};
+use siloflow_dem::walls::leaving::{self, LeavingWalls, WallIndex};
+use siloflow_dem::walls::surfaces::Surfaces;
 use siloflow_files::frames::TAKEN_NAMES;
 use siloflow_files::run_directory;
 use siloflow_text::fault::Fault;
@@ -169,7 +170,7 @@ fn add_plugins<V: Engine>(
         app.persist_component::<WallIndex>()
             .persist::<LeavingWalls>()
             .persist_sound_part::<Surfaces<V>, _>(|walls| Ok(walls.saved()), |walls, saved| Ok(walls.restore(saved)?))
-            .check_restored(surfaces::check_restored::<V>);
+            .check_restored(leaving::check_restored::<V>);
     });
     add_all::<V>(assembly, loaded, behaviours, paths);
 }

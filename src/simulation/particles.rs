@@ -11,9 +11,11 @@ use siloflow_dem::space::{Linear, Space};
 use siloflow_dem::spin::{InertiaLaw, Torque};
 use siloflow_dem::store::ParticleStore;
 use siloflow_dem::table_sort::sort_newcomers;
+use siloflow_dem::walls::config::WallGrain;
 use siloflow_dem::walls::conveyor::Conveyed;
+use siloflow_dem::walls::leaving::WallIndex;
 use siloflow_dem::walls::silo_file::Disc;
-use siloflow_dem::walls::surfaces::{Surfaces, WallIndex};
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Spawns wall grains, door grains, wall surfaces and the grains of the start. With `has_loads` grains get forces and torques as
 /// components at once: tables keep their memory when all grains leave them for such a component later.
@@ -36,7 +38,7 @@ pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded, has_
         world.spawn((wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo), Door(0)));
     }
     for wall in &loaded.scene.walls {
-        if let Some((centre, radius, species)) = wall.wall_grain() {
+        if let Some(WallGrain { centre, radius, species }) = wall.wall_grain() {
             world.spawn(wall_grain(next_id(), in_box(centre.get::<V>()), radius, at_rest, species));
         }
     }

@@ -107,7 +107,8 @@ fn of_crate(sources: &Path) -> Imports {
         ends.map(|end| path[..end].to_owned()).filter(|module| sources.contains_key(module)).last()
     };
     let of = |(module, source): (&String, &String)| {
-        let found = imports(module, source).iter().filter_map(|path| deepest(path)).filter(|other| other != module);
+        let paths = imports(module, source);
+        let found = paths.iter().filter_map(|path| deepest(path)).filter(|other| other != module);
         (module.clone(), found.collect())
     };
     sources.iter().map(of).collect()

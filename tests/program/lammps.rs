@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use siloflow::dem::walls::surfaces::SurfaceWall;
+use siloflow::dem::walls::surface_wall::SurfaceWall;
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::lammps;

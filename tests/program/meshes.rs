@@ -96,7 +96,7 @@ endsolid plate
 ";
 
 fn triangles(loaded: &Loaded) -> Vec<[Solid; 3]> {
-    loaded.scene.walls[0].triangles().unwrap().to_vec()
+    loaded.scene.walls[0].shape.triangles().unwrap().to_vec()
 }
 
 #[test]

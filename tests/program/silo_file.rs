@@ -1,7 +1,7 @@
 //! Reconstructs the silo files in `assets` from their descriptions and compares them.
 
 use siloflow::dem::space::Vector;
-use siloflow::dem::walls::outline::Outline;
+use siloflow::dem::walls::enclosure::Enclosure;
 use siloflow::dem::walls::silo_file::{Disc, LengthUnit, parse};
 
 /// Returns the disc centres of `silo1.dat`, cm. Two sides x = +-130 from y = 400 down to 200, every 5; slopes of 46
@@ -42,7 +42,7 @@ fn silo1_file_matches_its_description() {
 fn outline_of_silo1_is_two_chains_and_a_roof_with_one_orifice() {
     let text = std::fs::read_to_string(crate::root().join("assets/silo1.dat")).unwrap();
     let silo = parse("silo1.dat", &text, LengthUnit::Centimetre).unwrap();
-    let outline = Outline::new(&silo.wall, &silo.door, &[], 0.03);
+    let outline = Enclosure::new(&silo.wall, &silo.door, &[], 0.03);
     // 87 discs per side and 9 in the roof: chains of 86, 86 and 8 links, without chords.
     assert_eq!(outline.links().len(), 86 + 86 + 8);
     let orifice = outline.orifice().unwrap();
@@ -76,7 +76,7 @@ fn mass_flow_silo_file_matches_its_description() {
         assert!((disc.centre - centre).abs().max_element() <= 0.000_005_01, "{disc:?} {centre}");
         assert_eq!(disc.radius, 0.01);
     }
-    let outline = Outline::new(&silo.wall, &silo.door, &[], 0.009);
+    let outline = Enclosure::new(&silo.wall, &silo.door, &[], 0.009);
     assert_eq!(outline.links().len(), 2 * 301);
     let orifice = outline.orifice().unwrap();
     assert_eq!((orifice.from.x.abs(), orifice.to.x), (0.11, -orifice.from.x));

@@ -1,25 +1,10 @@
-//! Wall surfaces as points, lines and triangles.
-//!
-//! | surface | geometry |
-//! |---|---|
-//! | segment | one line |
-//! | panel, triangle | two triangles, one triangle; polygons and meshes of a scene are triangles already |
-//! | cylinder, cone, annulus | [`SECTORS`] pairs of triangles |
-//! | disc | [`SECTORS`] lines |
-//! | spherical zone, sphere | rings of [`SECTORS`] pairs of triangles, as high as they are wide |
-//! | panel, cylinder, cone or annulus with a hole, or the part that fills a hole | convex pieces of the above, cut by a polygon of [`SECTORS`] sides |
-//! | half-plane, half-space | the line or square around the middle of the domain that reaches half its diagonal to each side |
-//!
-//! Limit: a polygon of [`SECTORS`] corners has 0.3 % less area than its circle.
-
-use std::f64::consts::TAU;
+//! Wall surfaces as points, lines and triangles (module `walls::drawing` of `siloflow_dem`), and the box of a scene.
 
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Linear as _, Solid, Space};
-use siloflow_dem::walls::clip::share_edges;
-use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::shapes::spherical_zone::SphericalZone;
-use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
+use siloflow_dem::walls::config::shape::WallShape;
+use siloflow_dem::walls::drawing::{Detail, Drawing};
+use siloflow_dem::walls::surface_wall::SurfaceWall;
 use siloflow_files::frames::WallGeometry;
 
 /// Number of sectors of a surface of revolution.
@@ -30,6 +15,7 @@ pub const SECTORS: u32 = 48;
 /// This is the only place that turns walls into geometry; it uses the surfaces as they are at the moment.
 #[must_use]
 pub fn walls<V: Space>(all: &[SurfaceWall<V>], domain: [Solid; 2]) -> Vec<WallGeometry> {
+    let detail = Detail { sectors: SECTORS, domain };
     let mut walls: Vec<WallGeometry> = Vec::new();
     for surface in all {
         let number = u32::try_from(surface.number + 1).unwrap_or(u32::MAX);
@@ -41,7 +27,7 @@ pub fn walls<V: Space>(all: &[SurfaceWall<V>], domain: [Solid; 2]) -> Vec<WallGe
         if let Some(wall) = walls.last_mut()
             && surface.is_present
         {
-            add(wall, &surface.surface, domain);
+            add(wall, &surface.surface.shape().drawing(&detail));
         }
     }
     walls
@@ -53,98 +39,12 @@ pub(super) fn changed(first: &[WallGeometry], now: Vec<WallGeometry>) -> Vec<Wal
     now.into_iter().zip(first).filter(|(now, first)| now != *first).map(|(now, _)| now).collect()
 }
 
-fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 2]) {
-    let mut add = |points: &[Solid], lines: &[[u32; 2]], triangles: &[[u32; 3]]| {
-        let first = u32::try_from(wall.points.len()).unwrap_or(u32::MAX);
-        wall.points.extend(points.iter().map(Solid::to_array));
-        wall.lines.extend(lines.iter().map(|line| line.map(|place| first + place)));
-        wall.triangles.extend(triangles.iter().map(|triangle| triangle.map(|place| first + place)));
-    };
-    match surface {
-        Surface::Segment(segment) => add(&[segment.from.spread(), segment.to.spread()], &[[0, 1]], &[]),
-        Surface::Panel(panel) => {
-            let [corner, along, across] = [panel.corner, panel.along, panel.across].map(V::spread);
-            add(&[corner, corner + along, corner + along + across, corner + across], &[], &SQUARE);
-        }
-        Surface::Triangle(triangle) => add(&triangle.0.map(V::spread), &[], &[[0, 1, 2]]),
-        Surface::HalfPlane(half) => {
-            let point = half.point.spread();
-            let normal = half.normal.spread();
-            let middle = 0.5 * (domain[0] + domain[1]);
-            let foot = middle - (middle - point).dot(normal) * normal;
-            let reach = (0.5 * (domain[1] - domain[0]).length()).max(f64::MIN_POSITIVE);
-            if V::DIMENSION == Dimension::Plane {
-                let along = reach * Solid::new(-normal.y, normal.x, 0.0);
-                add(&[foot - along, foot + along], &[[0, 1]], &[]);
-            } else {
-                let along = reach * normal.any_orthonormal_vector();
-                let across = normal.cross(along);
-                let corners = [-along - across, along - across, along + across, across - along];
-                add(&corners.map(|corner| foot + corner), &[], &SQUARE);
-            }
-        }
-        Surface::Revolved(shape) => {
-            let (points, triangles) = turned([shape.base, shape.axis].map(V::spread), &[shape.from, shape.to]);
-            add(&points, &[], &triangles);
-        }
-        Surface::SphericalZone(shape) => {
-            let axis = [shape.centre, shape.axis].map(V::spread);
-            let (points, triangles) = turned(axis, &shape.profile(SECTORS / 2));
-            add(&points, &[], &triangles);
-        }
-        Surface::Ball(ball) if V::DIMENSION == Dimension::Plane => {
-            let points: Vec<_> = ball.circle(SECTORS).into_iter().map(V::spread).collect();
-            let lines: Vec<_> = (0..SECTORS).map(|n| [n, (n + 1) % SECTORS]).collect();
-            add(&points, &lines, &[]);
-        }
-        Surface::Ball(ball) => {
-            let centre = ball.centre.spread();
-            let zone = SphericalZone::new(centre, Solid::Z, ball.radius, [-ball.radius, ball.radius]);
-            let (points, triangles) = turned([centre, Solid::Z], &zone.profile(SECTORS / 2));
-            add(&points, &[], &triangles);
-        }
-        Surface::Trimmed(shape) => {
-            let mut pieces: Vec<Vec<Solid>> =
-                shape.pieces(SECTORS).into_iter().map(|piece| piece.into_iter().map(V::spread).collect()).collect();
-            let size = (domain[1] - domain[0]).length();
-            share_edges(&mut pieces, 1e-9 * size);
-            for piece in pieces {
-                // Triangles round the middle, because corners may lie on an edge.
-                let corners = u32::try_from(piece.len()).unwrap_or(u32::MAX);
-                let middle = piece.iter().sum::<Solid>() / f64::from(corners);
-                let fan: Vec<_> = (0..corners).map(|n| [n, (n + 1) % corners, corners]).collect();
-                add(&[piece, vec![middle]].concat(), &[], &fan);
-            }
-        }
-    }
-}
-
-const SQUARE: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
-
-/// Returns the surface that a line makes about an axis: sector by sector the points of its profile (r, z), and triangles between
-/// them. Triangles without area are left out.
-fn turned([base, axis]: [Solid; 2], profile: &[[f64; 2]]) -> (Vec<Solid>, Vec<[u32; 3]>) {
-    let first = axis.any_orthonormal_vector();
-    let second = axis.cross(first);
-    let mut points = Vec::new();
-    let mut triangles = Vec::new();
-    let height = u32::try_from(profile.len()).unwrap_or(u32::MAX);
-    for sector in 0..SECTORS {
-        let angle = TAU * f64::from(sector) / f64::from(SECTORS);
-        let outwards = first * angle.cos() + second * angle.sin();
-        points.extend(profile.iter().map(|[r, z]| base + axis * *z + outwards * *r));
-        let [a, b] = [height * sector, height * ((sector + 1) % SECTORS)];
-        for (place, ends) in (0..).zip(profile.windows(2)) {
-            let [a, b] = [a + place, b + place];
-            if ends[0][0] > 0.0 {
-                triangles.push([a, b, a + 1]);
-            }
-            if ends[1][0] > 0.0 {
-                triangles.push([b, b + 1, a + 1]);
-            }
-        }
-    }
-    (points, triangles)
+/// Adds points, lines and triangles to a wall.
+fn add(wall: &mut WallGeometry, drawing: &Drawing) {
+    let first = u32::try_from(wall.points.len()).unwrap_or(u32::MAX);
+    wall.points.extend(drawing.points.iter().map(Solid::to_array));
+    wall.lines.extend(drawing.lines.iter().map(|line| line.map(|index| first + index)));
+    wall.triangles.extend(drawing.triangles.iter().map(|triangle| triangle.map(|index| first + index)));
 }
 
 /// Returns the lowest and the highest corner of the periodic box, of the walls, and of the places where grains start, m.
@@ -157,9 +57,9 @@ pub fn domain(loaded: &Loaded) -> [Solid; 2] {
         add(disc.centre.spread(), disc.radius);
     }
     for wall in &scene.walls {
-        match wall {
-            Wall::Disc { centre, radius, .. } => add(centre.padded(), radius.get()),
-            Wall::HalfPlane { point, .. } => add(point.padded(), 0.0),
+        match &wall.shape {
+            WallShape::Disc { centre, radius } => add(centre.padded(), radius.get()),
+            WallShape::HalfPlane { point, .. } => add(point.padded(), 0.0),
             _ => wall.bounds().into_iter().flatten().for_each(|corner| add(corner, 0.0)),
         }
     }
@@ -189,6 +89,8 @@ pub fn domain(loaded: &Loaded) -> [Solid; 2] {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use siloflow_dem::particle::Species;
     use siloflow_dem::space::Plane;
@@ -197,7 +99,9 @@ mod tests {
     use siloflow_dem::walls::shapes::panel::Panel;
     use siloflow_dem::walls::shapes::prism::Prism;
     use siloflow_dem::walls::shapes::revolved::Revolved;
+    use siloflow_dem::walls::shapes::spherical_zone::SphericalZone;
     use siloflow_dem::walls::shapes::trimmed::{Trimmed, Whole};
+    use siloflow_dem::walls::surface::Surface;
 
     const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];
 

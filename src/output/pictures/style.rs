@@ -5,7 +5,6 @@ use crate::scene::outputs::{Colour, Pictures};
 use crate::scene::view;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::values::{Finite, Positive};
-use siloflow_dem::walls::surfaces::Surface;
 use siloflow_results::pictures::style::{Colouring, Style};
 
 /// Returns the colours that a key of the scene asks for.
@@ -45,6 +44,6 @@ pub fn style(loaded: &Loaded, pictures: &Pictures) -> Style {
 
 fn endless<V: Space>(loaded: &Loaded) -> Vec<u32> {
     let surfaces = loaded.surfaces::<V>();
-    let endless = surfaces.iter().filter(|wall| matches!(wall.surface, Surface::HalfPlane(_)));
+    let endless = surfaces.iter().filter(|wall| wall.surface.bounds().is_none());
     endless.map(|wall| u32::try_from(wall.number + 1).unwrap_or(u32::MAX)).collect()
 }

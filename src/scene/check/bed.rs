@@ -2,8 +2,8 @@
 
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Dimension;
-use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::outline::Outline;
+use siloflow_dem::walls::config::shape::WallShape;
+use siloflow_dem::walls::enclosure::Enclosure;
 
 /// Speed at the lowest point of the walls, after a fall from where grains start, m/s.
 pub(super) fn impact_speed(loaded: &Loaded) -> f64 {
@@ -30,8 +30,8 @@ pub(super) fn up(loaded: &Loaded) -> usize {
 fn lowest_point(loaded: &Loaded) -> f64 {
     let up = up(loaded);
     let discs = loaded.wall_discs().into_iter().map(|disc| disc.centre[up.min(1)]);
-    let surfaces = loaded.scene.walls.iter().filter_map(|wall| match wall {
-        Wall::HalfPlane { point, .. } => Some(point.padded()[up]),
+    let surfaces = loaded.scene.walls.iter().filter_map(|wall| match &wall.shape {
+        WallShape::HalfPlane { point, .. } => Some(point.padded()[up]),
         _ => wall.bounds().map(|[low, _]| low[up]),
     });
     let lowest = discs.chain(surfaces).fold(f64::INFINITY, f64::min);
@@ -44,7 +44,7 @@ fn lowest_point(loaded: &Loaded) -> f64 {
 pub(super) fn carried_at_the_bottom(loaded: &Loaded, radius: f64) -> f64 {
     let ground: Option<f64> = match loaded.scene.space {
         Dimension::Plane => {
-            let outline = Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.own_surfaces(), 0.0);
+            let outline = Enclosure::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.own_surfaces(), 0.0);
             outline.bounds().map(|[low, high]| high.x - low.x).or_else(|| extent(loaded, 0))
         }
         Dimension::Solid => extent(loaded, 0).zip(extent(loaded, 1)).map(|(x, y)| x * y),

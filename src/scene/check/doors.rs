@@ -1,8 +1,7 @@
 //! Warnings about doors through which no grain can leave, or be counted.
 
 use crate::scene::loaded::Loaded;
-use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::outline::Outline;
+use siloflow_dem::walls::enclosure::Enclosure;
 use siloflow_text::fault::Warning;
 
 /// Adds the warnings about doors, for grains of this radius (m) or more.
@@ -29,34 +28,13 @@ pub(super) fn examine(loaded: &Loaded, radius: f64, warnings: &mut Vec<Warning>)
 
 /// The free width of the narrowest door, m: between the wall discs that flank it, or of a surface; `None` without a door.
 fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
-    let surfaces =
-        loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some()).filter_map(|wall| match wall {
-            _ if let (_, Some(patch)) = wall.cuts() => Some(patch.width()),
-            Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
-            Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
-            Wall::Disc { radius, .. } => Some(2.0 * radius.get()),
-            Wall::Segment { from, to, .. } => Some(to.padded().distance(from.padded())),
-            // The smallest extent is the thickness: about zero, or the height of a cap.
-            Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::SphericalZone { .. } => {
-                wall.bounds().map(|[low, high]| {
-                    let mut extents = (high - low).to_array();
-                    extents.sort_unstable_by(f64::total_cmp);
-                    extents[1]
-                })
-            }
-            Wall::Cylinder { from, to, radius, .. } => {
-                Some((2.0 * radius.get()).min(to.padded().distance(from.padded())))
-            }
-            Wall::Cone { from, to, radii, .. } => {
-                Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))
-            }
-            Wall::HalfPlane { .. } => None,
-        });
+    let doors = loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some());
+    let surfaces = doors.filter_map(|wall| wall.shape.width());
     let discs = loaded.wall_discs();
     let orifice = if loaded.silo.door.is_empty() {
         None
     } else {
-        Outline::new(&discs, &loaded.silo.door, &loaded.own_surfaces(), radius).orifice()
+        Enclosure::new(&discs, &loaded.silo.door, &loaded.own_surfaces(), radius).orifice()
     };
     let radius_at = |x| discs.iter().find(|disc| disc.centre == x).map_or(0.0, |disc| disc.radius);
     let between = orifice.map(|link| link.from.distance(link.to) - radius_at(link.from) - radius_at(link.to));
@@ -66,5 +44,5 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
 /// Whether a door of discs is flanked by wall discs, or there is no such door.
 fn has_orifice(loaded: &Loaded, radius: f64) -> bool {
     loaded.silo.door.is_empty()
-        || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.own_surfaces(), radius).orifice().is_some()
+        || Enclosure::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.own_surfaces(), radius).orifice().is_some()
 }

@@ -9,6 +9,7 @@
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Solid};
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_text::fault::Warning;
 
 /// Most half-planes whose lines are examined.
@@ -21,7 +22,7 @@ pub(super) fn examine(loaded: &Loaded, leak: impl Fn() -> bool, warnings: &mut V
     if scene.cull.is_some() || !has_walls || !can_slide(loaded) {
         return;
     }
-    let has_thin_walls = scene.walls.iter().any(|wall| !matches!(wall, Wall::HalfPlane { .. }))
+    let has_thin_walls = scene.walls.iter().any(|wall| !matches!(wall.shape, WallShape::HalfPlane { .. }))
         || !loaded.silo.wall.is_empty()
         || !loaded.fixed.is_empty();
     let has_door = scene.opens_a_door();
@@ -80,8 +81,8 @@ fn can_slide(loaded: &Loaded) -> bool {
 }
 
 fn half_plane(wall: &Wall) -> Option<Solid> {
-    match wall {
-        Wall::HalfPlane { normal, .. } => normal.padded().try_normalize(),
+    match &wall.shape {
+        WallShape::HalfPlane { normal, .. } => normal.padded().try_normalize(),
         _ => None,
     }
 }

@@ -9,11 +9,10 @@
 use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;
 use siloflow_dem::space::{Dimension, Vector};
-use siloflow_dem::walls::outline::Outline;
-use siloflow_dem::walls::shapes::ball::Ball;
-use siloflow_dem::walls::shapes::segment::Segment;
+use siloflow_dem::walls::enclosure::Enclosure;
+use siloflow_dem::walls::shapes::Planar;
 use siloflow_dem::walls::silo_file::Disc;
-use siloflow_dem::walls::surfaces::Surface;
+use siloflow_dem::walls::surface::Surface;
 
 /// Largest number of grid points. Each takes a byte, and more would take several seconds.
 const MOST_POINTS: f64 = 2e7;
@@ -29,12 +28,12 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);
     let walls = loaded.own_surfaces();
-    let balls = walls.iter().filter_map(|wall| match wall.surface {
-        Surface::Ball(Ball { centre, radius }) => Some(Disc { centre, radius }),
+    let balls = walls.iter().filter_map(|wall| match wall.surface.shape().planar() {
+        Some(Planar::Ball { centre, radius }) => Some(Disc { centre, radius }),
         _ => None,
     });
     discs.extend(balls);
-    let [low, high] = Outline::new(&discs, &[], &walls, radius).bounds()?;
+    let [low, high] = Enclosure::new(&discs, &[], &walls, radius).bounds()?;
     let surfaces: Vec<Surface> = walls.into_iter().map(|wall| wall.surface).collect();
     let spacing = 0.25 * radius;
     let points = |extent: Vector, reach: f64| {
@@ -42,15 +41,9 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
         whole.element_product() / (spacing * spacing)
     };
     let blocked_by_discs: f64 = discs.iter().map(|disc| points(Vector::ZERO, disc.radius + radius)).sum();
-    let blocked_by_segments = surfaces.iter().map(|surface| match *surface {
-        Surface::Segment(Segment { from, to }) => points(to - from, radius),
-        Surface::HalfPlane(_)
-        | Surface::Panel(_)
-        | Surface::Triangle(_)
-        | Surface::Revolved(_)
-        | Surface::SphericalZone(_)
-        | Surface::Ball(_)
-        | Surface::Trimmed(_) => 0.0,
+    let blocked_by_segments = surfaces.iter().map(|surface| match surface.shape().planar() {
+        Some(Planar::Segment { from, to }) => points(to - from, radius),
+        _ => 0.0,
     });
     // Discs also block points just outside of the box.
     let margin = discs.iter().map(|disc| disc.radius).fold(0.0, f64::max) + radius + 2.0 * spacing;
@@ -64,12 +57,13 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
         field.block(disc.centre, disc.centre, disc.radius + radius, |x| x.distance(disc.centre));
     }
     for surface in surfaces.iter().take_while(|_| !budget.is_spent()) {
-        if let Surface::Segment(Segment { from, to }) = *surface {
+        if let Some(Planar::Segment { from, to }) = surface.shape().planar() {
             field.block(from, to, radius, |x| surface.distance(x));
         }
     }
-    let behind =
-        |x: Vector| surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane(_)) && wall.distance(x) < radius);
+    let is_half_plane = |surface: &&Surface| matches!(surface.shape().planar(), Some(Planar::HalfPlane { .. }));
+    let half_planes: Vec<_> = surfaces.iter().filter(is_half_plane).collect();
+    let behind = |x: Vector| half_planes.iter().any(|surface| surface.distance(x) < radius);
     let starts =
         loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let fed = loaded.scene.feed.iter().map(|feed| feed.region.point([0.5; 3]).truncate());

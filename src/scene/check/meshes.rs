@@ -5,6 +5,7 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;
 use siloflow_dem::space::Solid;
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh_faults::{MOST_OVERLAPS, faults};
 use siloflow_text::fault::Warning;
 
@@ -15,7 +16,7 @@ const VERY_WIDE: f64 = 3e4;
 /// Adds the warnings.
 pub(super) fn examine(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warning>) {
     for (number, wall) in loaded.scene.walls.iter().enumerate() {
-        if let Wall::Mesh { triangles, .. } = wall {
+        if let WallShape::Mesh { triangles, .. } = &wall.shape {
             size(loaded, number, wall, warnings);
             budget.share(0.5, || of_mesh(number, triangles, budget, warnings));
         }

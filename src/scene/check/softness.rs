@@ -3,7 +3,7 @@
 use crate::ending::watchdog::LARGE_OVERLAP;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
-use siloflow_dem::walls::outline::Outline;
+use siloflow_dem::walls::enclosure::Enclosure;
 use siloflow_text::fault::Warning;
 
 /// Adds the warnings about impacts on walls, impacts of grains, adhesion, and the weight of the bed.
@@ -73,7 +73,7 @@ fn weakest_link(loaded: &Loaded, radius: f64, stiffness: f64) -> Option<f64> {
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);
     let thinnest = discs.iter().map(|disc| disc.radius).fold(f64::INFINITY, f64::min);
-    let outline = Outline::new(&discs, &[], &[], radius);
+    let outline = Enclosure::new(&discs, &[], &[], radius);
     let barrier = |distance: f64| stiffness * (radius + thinnest - 0.5 * distance).max(0.0).powi(2);
     outline.links().iter().map(|link| barrier(link.from.distance(link.to))).min_by(f64::total_cmp)
 }

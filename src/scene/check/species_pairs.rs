@@ -23,7 +23,7 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::contact::{AnyLaw, Bounce};
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::space::{Dimension, Plane};
-use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 
 /// Number of radii to be released that are examined, if each is drawn at random.
 const DRAWN: u32 = 10_000;
@@ -297,14 +297,14 @@ fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
 fn has_few_walls(loaded: &Loaded) -> bool {
     let walls = &loaded.scene.walls;
     let discs = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len();
-    walls.len() + discs <= 2 && !walls.iter().any(|wall| matches!(wall, Wall::Mesh { .. }))
+    walls.len() + discs <= 2 && !walls.iter().any(|wall| matches!(wall.shape, WallShape::Mesh { .. }))
 }
 
 /// The flattest wall of each species, which makes the stiffest contact.
 fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
-    let own = loaded.scene.walls.iter().map(|wall| match *wall {
-        Wall::Disc { radius, species, .. } => (species, radius.get()),
-        _ => (wall.species(), f64::INFINITY),
+    let own = loaded.scene.walls.iter().map(|wall| match wall.shape {
+        WallShape::Disc { radius, .. } => (wall.species, radius.get()),
+        _ => (wall.species, f64::INFINITY),
     });
     let of_silo = loaded.scene.silo.as_ref().map_or(0, |silo| silo.species);
     let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|disc| (of_silo, disc.radius));

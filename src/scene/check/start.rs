@@ -15,7 +15,7 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::surfaces::{Surface, Surfaces};
+use siloflow_dem::walls::surfaces::Surfaces;
 use siloflow_text::fault::Warning;
 
 /// Warnings of deep overlaps.
@@ -88,7 +88,7 @@ fn bodies(loaded: &Loaded) -> Vec<Body> {
     let of_silo = loaded.scene.silo.as_ref().map_or(0, |silo| silo.species);
     let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|d| disc(d.centre.extend(0.0), d.radius, of_silo));
     let own = loaded.scene.walls.iter().filter_map(Wall::wall_grain);
-    let own = own.map(|(centre, radius, species)| disc(centre.padded(), radius, species.0));
+    let own = own.map(|grain| disc(grain.centre.padded(), grain.radius, grain.species.0));
     let fixed = loaded.fixed.iter().map(|grain| disc(grain.position, grain.radius, grain.species.0));
     let grains = loaded.grains.iter().map(|grain| Body {
         centre: grain.position,
@@ -116,12 +116,9 @@ fn distances_within<V: Space>(surfaces: &Surfaces<V>, body: &Body, budget: &Budg
 
 /// Least distance (m) to a solid wall, negative inside it, and to a thin wall, of those with these numbers.
 fn distances<V: Space>(surfaces: &Surfaces<V>, numbers: impl Iterator<Item = usize>, x: Solid) -> [f64; 2] {
-    numbers.map(|number| &surfaces.all[number].surface).fold([f64::INFINITY; 2], |[half, thin], surface| {
+    numbers.map(|number| &surfaces.all[number].surface).fold([f64::INFINITY; 2], |[solid, thin], surface| {
         let distance = surface.distance(V::narrow(x));
-        match surface {
-            Surface::HalfPlane(_) | Surface::Ball(_) => [half.min(distance), thin],
-            _ => [half, thin.min(distance)],
-        }
+        if surface.shape().is_solid() { [solid.min(distance), thin] } else { [solid, thin.min(distance)] }
     })
 }
 

@@ -12,7 +12,8 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::contact::history::remembered::{PartnerKind, Remembered};
 use siloflow_dem::periodic::Periodic;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
-use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::walls::surface_wall::SurfaceWall;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Two bodies are apart if the gap between them is more than this share of the grain's radius. The memory of a contact may be
 /// written in the half step in which it ends, so a very small gap counts as a contact.

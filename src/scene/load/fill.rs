@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::periodic::Periodic;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
+use siloflow_dem::walls::config::WallGrain;
 use siloflow_dem::walls::surfaces::Surfaces;
 use siloflow_text::fault::Fault;
 
@@ -50,7 +51,7 @@ impl Loaded {
             .chain(&self.silo.door)
             .for_each(|disc| occupied.add(disc.centre.extend(0.0), disc.radius));
         for wall in &self.scene.walls {
-            if let Some((centre, radius, _)) = wall.wall_grain() {
+            if let Some(WallGrain { centre, radius, .. }) = wall.wall_grain() {
                 occupied.add(centre.padded(), radius);
             }
         }

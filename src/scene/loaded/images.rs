@@ -12,8 +12,9 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Solid, Space};
 use siloflow_dem::values::FiniteVector;
 use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::shapes::Shape as _;
-use siloflow_dem::walls::surfaces::{Surface, SurfaceWall};
+use siloflow_dem::walls::shapes::Planar;
+use siloflow_dem::walls::surface::Surface;
+use siloflow_dem::walls::surface_wall::SurfaceWall;
 
 /// Most images of a scene. More would take gigabytes.
 const MOST_IMAGES: usize = 200_000;
@@ -82,7 +83,7 @@ impl Loaded {
                 };
                 let bounds = way.swept(bounds.map(V::spread), axis);
                 let moves_along = (way.shifts[1] - way.shifts[0]).to_array()[axis] > 0.0;
-                let is_endless = !moves_along && way.keeps(axis) && runs_along(&surface.surface, axis);
+                let is_endless = !moves_along && way.keeps(axis) && surface.surface.shape().runs_along(axis);
                 if is_endless && bounds[0] <= side.0 + SIDE_GAP * largest && bounds[1] >= side.1 - SIDE_GAP * largest {
                     continue;
                 }
@@ -144,24 +145,12 @@ fn boxes([first, last]: [f64; 2], (low, high): (f64, f64), reach: f64) -> Vec<f6
 
 /// Whether a wall without ends is the same in all images along an axis; if not, why not.
 fn is_along<V: Space>(surface: &Surface<V>, way: &Way, axis: usize) -> Result<(), &'static str> {
-    let Surface::HalfPlane(half) = surface else { return Ok(()) };
-    if half.normal.axis(axis).abs() > 1e-9 {
+    let Some(Planar::HalfPlane { normal, .. }) = surface.shape().planar() else { return Ok(()) };
+    if normal.axis(axis).abs() > 1e-9 {
         return Err("it has no ends, and stands across the periodic axis");
     }
     if !way.keeps(axis) {
         return Err("it has no ends, and turns about another axis than the periodic axis");
     }
     Ok(())
-}
-
-/// Whether a wall is a straight extension along an axis.
-fn runs_along<V: Space>(surface: &Surface<V>, axis: usize) -> bool {
-    let is_along = |edge: V| edge.axis(axis).abs() >= (1.0 - 1e-12) * edge.length();
-    match surface {
-        Surface::Segment(segment) => is_along(segment.to - segment.from),
-        Surface::Panel(panel) => is_along(panel.along) || is_along(panel.across),
-        // A cylinder; a cone differs from place to place.
-        Surface::Revolved(revolved) => (revolved.from[0] - revolved.to[0]).abs() <= 0.0 && is_along(revolved.axis),
-        _ => false,
-    }
 }

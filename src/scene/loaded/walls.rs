@@ -5,9 +5,10 @@ use crate::measure::wall_bands::BandSampler;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::moving::{Drive, LeafState, Mover};
+use siloflow_dem::walls::mover::{Drive, LeafState, Mover};
 use siloflow_dem::walls::silo_file::Disc;
-use siloflow_dem::walls::surfaces::{SurfaceWall, Surfaces};
+use siloflow_dem::walls::surface_wall::SurfaceWall;
+use siloflow_dem::walls::surfaces::Surfaces;
 
 impl Loaded {
     /// Fixed discs of a planar scene, without the door and without moving discs: from the silo file, from the scene and
@@ -18,7 +19,7 @@ impl Loaded {
             return Vec::new();
         }
         let own = self.scene.walls.iter().filter_map(Wall::wall_grain);
-        let own = own.map(|(centre, radius, _)| Disc { centre: centre.get(), radius });
+        let own = own.map(|grain| Disc { centre: grain.centre.get(), radius: grain.radius });
         let still = self.fixed.iter().filter(|grain| grain.velocity == Solid::ZERO);
         let fixed = still.map(|grain| Disc { centre: grain.position.truncate(), radius: grain.radius });
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
@@ -177,7 +178,7 @@ impl Loaded {
     pub(crate) fn wall_grains(&self) -> impl Iterator<Item = (Solid, f64)> {
         let silo = self.silo.wall.iter().chain(&self.silo.door).map(|disc| (disc.centre.extend(0.0), disc.radius));
         let own = self.scene.walls.iter().filter_map(Wall::wall_grain);
-        let own = own.map(|(centre, radius, _)| (centre.padded(), radius));
+        let own = own.map(|grain| (grain.centre.padded(), grain.radius));
         silo.chain(own).chain(self.fixed.iter().map(|grain| (grain.position, grain.radius)))
     }
 

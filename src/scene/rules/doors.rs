@@ -4,12 +4,11 @@ use crate::door::{DoorControl, DoorMotion, DoorOpens};
 use crate::scene::loaded::Loaded;
 use crate::scene::rules::has_no_direction;
 use siloflow_dem::values::NonNegative;
-use siloflow_dem::walls::config::Wall;
 use siloflow_text::fault::Fault;
 
 pub(super) fn doors(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
-    if scene.door.is_some() && loaded.silo.door.is_empty() && !scene.walls.iter().any(Wall::is_door) {
+    if scene.door.is_some() && loaded.silo.door.is_empty() && !scene.walls.iter().any(|wall| wall.door) {
         return Err(loaded
             .fault("scene::no_door", "door", "there is no door to open: no silo file announces door grains")
             .help(
@@ -35,7 +34,7 @@ fn names(loaded: &Loaded, index: usize) -> Result<(), Fault> {
     let walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
     let (code, message, help) = if walls.clone().next().is_none() {
         ("scene::no_such_wall", format!("no wall has the name {name:?}"), "give a wall of `walls` this `name`")
-    } else if walls.clone().any(Wall::is_door) {
+    } else if walls.clone().any(|wall| wall.door) {
         (
             "scene::two_doors",
             format!("a wall named {name:?} has `door: true`, so it belongs to the key `door` as well"),

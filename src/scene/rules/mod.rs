@@ -11,6 +11,7 @@ mod outflow;
 mod outputs;
 mod space;
 mod stop;
+mod walls;
 
 pub use self::grains::fill;
 pub use self::space::space;
@@ -23,9 +24,8 @@ use crate::scene::{Scene, TimeStep};
 use siloflow_dem::contact::Contact;
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::neighbours::Neighbours;
-use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::space::Solid;
 use siloflow_dem::values::FiniteVector;
-use siloflow_dem::walls::config::Wall;
 use siloflow_text::fault::Fault;
 
 /// Checks a scene whose files have been read.
@@ -35,10 +35,10 @@ use siloflow_text::fault::Fault;
 pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
     ids(loaded)?;
-    walls(loaded)?;
+    walls::shapes(loaded)?;
     cuts::cuts(loaded)?;
-    wall_discs(loaded)?;
-    wall_names(loaded)?;
+    walls::discs(loaded)?;
+    walls::names(loaded)?;
     periodic(loaded)?;
     spawner(loaded)?;
     feed(loaded)?;
@@ -161,114 +161,6 @@ fn periodic(loaded: &Loaded) -> Result<(), Fault> {
         }
     }
     Ok(())
-}
-
-/// Most corners of a polygon and of its hole.
-const MOST_CORNERS: usize = 500;
-
-fn polygon(loaded: &Loaded, index: usize, wall: &Wall) -> Result<(), Fault> {
-    let Wall::Polygon { points, hole, .. } = wall else { return Ok(()) };
-    let fault = |code, message| Err(loaded.fault(code, &format!("walls[{index}].points"), message));
-    if points.len().max(hole.len()) > MOST_CORNERS {
-        let message = format!("{} corners are more than the limit of {MOST_CORNERS}", points.len().max(hole.len()));
-        return fault("scene::out_of_range", message).map_err(|fault| fault.help("divide the polygon"));
-    }
-    wall.triangles().map(drop).or_else(|message| {
-        fault("scene::degenerate_wall", message).map_err(|fault| {
-            fault.help("give at least three corners in one plane, in order round the polygon, and a hole inside")
-        })
-    })
-}
-
-fn walls(loaded: &Loaded) -> Result<(), Fault> {
-    let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
-    for (index, wall) in loaded.scene.walls.iter().enumerate() {
-        polygon(loaded, index, wall)?;
-        let (key, message) = match wall {
-            Wall::HalfPlane { normal, .. } if has_no_direction(normal.padded()) => {
-                ("normal", "the normal has no direction")
-            }
-            Wall::HalfPlane { normal, velocity: Some(velocity), .. }
-                if is_oblique(velocity.padded(), normal.padded()) =>
-            {
-                ("velocity", "a half-plane moves along itself only: its velocity must be at right angles to its normal")
-            }
-            Wall::Segment { from, to, .. } if has_no_direction(to.padded() - from.padded()) => {
-                ("to", "the segment has no length")
-            }
-            Wall::Panel { along, .. } if has_no_direction(along.padded()) => ("along", "the panel has no length"),
-            Wall::Panel { across, .. } if has_no_direction(across.padded()) => ("across", "the panel has no width"),
-            Wall::Panel { along, across, .. } if is_oblique(along.padded(), across.padded()) => {
-                ("across", "the edges of a panel must be at right angles to each other")
-            }
-            Wall::Cylinder { from, to, .. } | Wall::Cone { from, to, .. }
-                if has_no_direction(to.padded() - from.padded()) =>
-            {
-                ("to", "the axis has no length")
-            }
-            Wall::Cone { radii, .. } if radii.0.get() == 0.0 && radii.1.get() == 0.0 => {
-                ("radii", "the cone has no width")
-            }
-            Wall::Annulus { normal, .. } if has_no_direction(normal.padded()) => {
-                ("normal", "the normal has no direction")
-            }
-            Wall::Annulus { inner: Some(inner), outer, .. } if inner.get() >= outer.get() => {
-                ("inner", "the hole is as wide as the ring")
-            }
-            Wall::SphericalZone { axis: Some(axis), .. } if has_no_direction(axis.padded()) => {
-                ("axis", "the axis has no direction")
-            }
-            Wall::SphericalZone { radius, .. } if radius.get() <= largest => {
-                ("radius", "a grain of the scene is as large as the sphere: a wall of this size is a fixed `Sphere`")
-            }
-            Wall::SphericalZone { heights: Some((low, high)), radius, .. }
-                if low.get() >= high.get() || low.get() >= radius.get() || high.get() <= -radius.get() =>
-            {
-                ("heights", "no part of the sphere lies between these heights")
-            }
-            _ => continue,
-        };
-        return Err(loaded.fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message).help(
-            "give two different points, a normal with a direction, edges and belts at right angles, inner < outer, \
-             heights from low to high",
-        ));
-    }
-    Ok(())
-}
-
-/// Most wall discs of a planar scene. Each pair of them is compared, to find the outline.
-const MOST_WALL_DISCS: usize = 20_000;
-
-/// Names of walls stand in CSV files and messages.
-fn wall_names(loaded: &Loaded) -> Result<(), Fault> {
-    let is_plain = |letter: char| letter.is_alphanumeric() || " -_.".contains(letter);
-    for (index, wall) in loaded.scene.walls.iter().enumerate() {
-        let Some(name) = wall.name() else { continue };
-        if name.is_empty() || name.chars().count() > 60 || !name.chars().all(is_plain) {
-            let message = format!("{name:?} is no name of a wall");
-            return Err(loaded
-                .fault("scene::wall_name", &format!("walls[{index}].name"), message)
-                .help("give 1 to 60 letters, digits, blanks, or characters of `-_.`"));
-        }
-    }
-    Ok(())
-}
-
-fn wall_discs(loaded: &Loaded) -> Result<(), Fault> {
-    let counts = [
-        ("silo.file", loaded.silo.wall.len() + loaded.silo.door.len()),
-        ("fill", loaded.fixed.len()),
-        ("walls", loaded.scene.walls.len()),
-    ];
-    let total: usize = counts.iter().map(|(_, count)| count).sum();
-    let Some((key, _)) = counts.into_iter().max_by_key(|(_, count)| *count).filter(|_| total > MOST_WALL_DISCS) else {
-        return Ok(());
-    };
-    if loaded.scene.space == Dimension::Solid && key != "walls" {
-        return Ok(());
-    }
-    let message = format!("{total} walls and wall grains are more than the limit of {MOST_WALL_DISCS}");
-    Err(loaded.fault("scene::out_of_range", key, message).help("describe the walls by segments, or by larger discs"))
 }
 
 /// Whether a vector is zero, or its square under- or overflows.

@@ -4,7 +4,6 @@ use crate::scene::loaded::Loaded;
 use crate::scene::rules::has_no_direction;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::NonNegative;
-use siloflow_dem::walls::config::Wall;
 use siloflow_dem::walls::motion::Motion;
 use siloflow_text::fault::Fault;
 
@@ -37,7 +36,7 @@ fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Brok
         "another motion"
     } else if walls.clone().any(|wall| scene.door_of(wall).is_some()) {
         "a door"
-    } else if walls.any(Wall::moves_in_place) {
+    } else if walls.any(|wall| wall.shape.moves_in_place()) {
         "its own `velocity` or `spin`"
     } else {
         return Ok(());

@@ -6,7 +6,7 @@ use crate::scene::outputs::{Colour, Pictures};
 use crate::writers::volume;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::Positive;
-use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_figures::png::{IS_AVAILABLE, MOST_PIXELS, MOST_SHAPES};
 use siloflow_results::pictures::camera::Direction;
 use siloflow_text::fault::Fault;
@@ -175,7 +175,7 @@ pub(super) fn wall_bands(loaded: &Loaded) -> Result<(), Fault> {
                 format!("no wall has the name {:?}", bands.walls),
                 "give a wall of `walls` this `name`",
             )
-        } else if walls.any(|wall| matches!(wall, Wall::HalfPlane { .. })) {
+        } else if walls.any(|wall| matches!(wall.shape, WallShape::HalfPlane { .. })) {
             let message = format!("a half-plane named {:?} has no ends, so its area is not known", bands.walls);
             ("scene::no_ends", "walls", message, "use a segment, in solid space a panel")
         } else if bands.low.get() >= bands.high.get() {

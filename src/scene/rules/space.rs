@@ -6,7 +6,6 @@ use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::FiniteVector;
-use siloflow_dem::walls::config::Wall;
 use siloflow_dem::walls::motion::Course;
 use siloflow_text::fault::Fault;
 
@@ -36,7 +35,7 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
     }
     let is_solid = scene.space == Dimension::Solid;
     let disc = scene.feed.iter().position(|feed| matches!(feed.region, Region::Disc { .. }));
-    let solid_wall = scene.walls.iter().position(Wall::is_solid);
+    let solid_wall = scene.walls.iter().position(|wall| wall.shape.needs_solid_space());
     let misplaced = [
         (is_solid && scene.silo.is_some(), "silo".to_owned(), "a silo file describes discs in the plane"),
         (
@@ -72,7 +71,7 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
 /// All vectors of a scene that must match its space, with their keys.
 fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
     let of_walls = scene.walls.iter().enumerate().flat_map(|(index, wall)| {
-        wall.vectors().into_iter().map(move |(name, vector)| (format!("walls[{index}].{name}"), vector))
+        wall.shape.vectors().into_iter().map(move |(name, vector)| (format!("walls[{index}].{name}"), vector))
     });
     let mut all: Vec<_> = std::iter::once(("gravity".to_owned(), scene.gravity)).chain(of_walls).collect();
     let mut add = |key: String, vectors: &[(&str, Option<FiniteVector>)]| {

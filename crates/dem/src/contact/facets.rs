@@ -6,7 +6,7 @@
 //! of the distance from the union of the linked facets, which has no jump where the nearest facet changes.
 
 use crate::space::Space;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// Cosine of 15 degrees: facets that meet at a smaller angle stand for a smooth surface.
 const SMOOTH: f64 = 0.965_925_826_289_068_3;

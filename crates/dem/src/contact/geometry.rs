@@ -18,7 +18,8 @@ use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::store::{Body, ParticleStore};
 use crate::walls::seams::{Seams, Touch};
 use crate::walls::shapes::{Nearest, Shape as _};
-use crate::walls::surfaces::{Surface, SurfaceWall};
+use crate::walls::surface::Surface;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// The contact quantities that follow from the separation and the masses alone.
 pub(super) struct ContactLine<V> {

@@ -38,7 +38,7 @@ use crate::neighbours::list::{BLOCK, Candidate, PairList};
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 use crate::walls::twins::Twins;
 
 /// The input of a contact pass besides the particle store.

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 
 use crate::space::Vector;
 use crate::walls::box_tree::{Bounds, BoxTree};
-use crate::walls::outline::Link;
+use crate::walls::link::Link;
 use crate::walls::silo_file::Disc;
 
 /// Most discs that close branches. More of them cost more than they close: at most six neighbours are nearest in their direction, but equal distances add

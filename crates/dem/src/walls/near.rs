@@ -12,7 +12,7 @@ use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
-use crate::walls::moving::Mover;
+use crate::walls::mover::Mover;
 use crate::walls::surfaces::Surfaces;
 
 /// Slack beside meshes, in radii of the largest grain.

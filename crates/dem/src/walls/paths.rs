@@ -1,10 +1,9 @@
 //! Paths of grains: the lines or faces that they must not cross, and the way out.
 //!
-//! In the plane, the lines are an [`Outline`](crate::walls::outline::Outline) of wall grains and wall surfaces. In solid
+//! In the plane, the lines are an [`Enclosure`](crate::walls::enclosure::Enclosure) of wall grains and wall surfaces. In solid
 //! space the faces are [`SurfaceWalls`] alone, and the way out is the place of a door.
 
 use crate::space::{Solid, Space};
-use crate::walls::shapes::Shape as _;
 use crate::walls::surfaces::Surfaces;
 
 /// Line or face that a path crosses.
@@ -62,7 +61,8 @@ mod tests {
     use crate::particle::Species;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::shapes::panel::Panel;
-    use crate::walls::surfaces::{Surface, SurfaceWall};
+    use crate::walls::surface::Surface;
+    use crate::walls::surface_wall::SurfaceWall;
 
     fn wall(surface: Surface<Solid>, is_door: bool) -> SurfaceWall<Solid> {
         SurfaceWall { door: is_door.then_some(3), ..SurfaceWall::still(surface, Species(0)) }

@@ -23,8 +23,7 @@
 //! grain still overlaps the wall that it leaves, and the forces of both act in a strip beside the seam.
 
 use crate::space::Space;
-use crate::walls::shapes::Shape as _;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// Largest gap between walls that continue each other, in radii of the grain.
 const GAP: f64 = 0.01;

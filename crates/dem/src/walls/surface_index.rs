@@ -9,8 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::neighbours::cells::floor;
 use crate::space::Space;
-use crate::walls::shapes::Shape as _;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// Most surfaces without a grid.
 const FEW: usize = 32;
@@ -135,7 +134,7 @@ mod tests {
     use crate::space::Solid;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::shapes::triangle::Triangle;
-    use crate::walls::surfaces::Surface;
+    use crate::walls::surface::Surface;
 
     proptest! {
         #[test]

@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::space::Space;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// For each surface with images, the indices of itself and its images, ascending.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +49,7 @@ mod tests {
     use crate::particle::Species;
     use crate::space::Plane;
     use crate::walls::shapes::segment::Segment;
-    use crate::walls::surfaces::Surface;
+    use crate::walls::surface::Surface;
 
     #[test]
     fn images_are_found_by_wall_and_piece() {

@@ -28,7 +28,7 @@ use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
 use crate::space::{Solid, Space};
 use crate::store::ParticleStore;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// Kind of the partner of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -229,7 +229,7 @@ mod tests {
     use crate::particle::Species;
     use crate::space::Plane;
     use crate::walls::shapes::half_plane::HalfPlane;
-    use crate::walls::surfaces::Surface;
+    use crate::walls::surface::Surface;
     use siloflow_text::encoding::TextReader;
 
     #[test]

@@ -11,7 +11,7 @@ use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
-use crate::walls::surfaces::WallLoad;
+use crate::walls::surface_wall::WallLoad;
 
 /// The buffers of one thread.
 #[derive(Debug, Default)]

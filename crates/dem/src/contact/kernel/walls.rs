@@ -12,7 +12,7 @@ use crate::contact::{LawRequirements, Pair};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
-use crate::walls::surfaces::WallLoad;
+use crate::walls::surface_wall::WallLoad;
 
 impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Sums the contacts between walls and the rows before `end` that have not been summed yet.

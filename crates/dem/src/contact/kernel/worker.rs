@@ -13,7 +13,7 @@ use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
-use crate::walls::surfaces::WallLoad;
+use crate::walls::surface_wall::WallLoad;
 
 /// The data that one thread reads and writes. `C` is the class of the law.
 pub(super) struct Worker<'a, V: Space, C> {

@@ -6,9 +6,11 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use crate::space::{Plane, Solid, Space};
+use crate::space::{Dimension, Linear, Plane, Solid, Space};
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, roots};
+use crate::walls::shapes::spherical_zone::SphericalZone;
+use crate::walls::shapes::{Nearest, Planar, Shape, roots};
 
 /// A disc or sphere as a wall.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -22,8 +24,7 @@ pub struct Ball<V: Space = Plane> {
 
 impl<V: Space> Ball<V> {
     /// Returns `count` points of the circle about the centre in the plane of x and y, m.
-    #[must_use]
-    pub fn circle(&self, count: u32) -> Vec<V> {
+    fn circle(&self, count: u32) -> Vec<V> {
         let point = |n: u32| {
             let (sine, cosine) = (TAU * f64::from(n) / f64::from(count)).sin_cos();
             self.centre + V::narrow(Solid::new(cosine, sine, 0.0)) * self.radius
@@ -59,6 +60,39 @@ impl<V: Space> Shape<V> for Ball<V> {
 
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { centre: pose.point(self.centre), ..*self }
+    }
+
+    fn reference(&self) -> V {
+        self.centre
+    }
+
+    /// In the plane it is the length of both arcs.
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        let [low, high] = [low, high].map(|height| ((height - self.centre.height()) / self.radius).clamp(-1.0, 1.0));
+        Some(match V::DIMENSION {
+            Dimension::Plane => 2.0 * self.radius * (high.asin() - low.asin()),
+            Dimension::Solid => TAU * self.radius * self.radius * (high - low),
+        })
+    }
+
+    fn drawing(&self, detail: &Detail) -> Drawing {
+        match V::DIMENSION {
+            Dimension::Plane => {
+                Drawing::closed_line(self.circle(detail.sectors).into_iter().map(Linear::spread).collect())
+            }
+            Dimension::Solid => {
+                let heights = [-self.radius, self.radius];
+                SphericalZone::new(self.centre.spread(), Solid::Z, self.radius, heights).drawing(detail)
+            }
+        }
+    }
+
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    fn planar(&self) -> Option<Planar<V>> {
+        Some(Planar::Ball { centre: self.centre, radius: self.radius })
     }
 }
 

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::space::{Plane, Space};
+use crate::space::{Dimension, Plane, Solid, Space};
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape};
+use crate::walls::shapes::{Nearest, Planar, Shape};
 
 /// Solid behind a line, or in solid space behind a plane.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -35,6 +36,42 @@ impl<V: Space> Shape<V> for HalfPlane<V> {
 
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { point: pose.point(self.point), normal: pose.direction(self.normal) }
+    }
+
+    fn reference(&self) -> V {
+        self.point
+    }
+
+    fn area_between(&self, _: f64, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn drawing(&self, &Detail { domain, .. }: &Detail) -> Drawing {
+        let point = self.point.spread();
+        let normal = self.normal.spread();
+        let middle = 0.5 * (domain[0] + domain[1]);
+        let foot = middle - (middle - point).dot(normal) * normal;
+        let reach = (0.5 * (domain[1] - domain[0]).length()).max(f64::MIN_POSITIVE);
+        match V::DIMENSION {
+            Dimension::Plane => {
+                let along = reach * Solid::new(-normal.y, normal.x, 0.0);
+                Drawing::line([foot - along, foot + along])
+            }
+            Dimension::Solid => {
+                let along = reach * normal.any_orthonormal_vector();
+                let across = normal.cross(along);
+                let corners = [-along - across, along - across, along + across, across - along];
+                Drawing::quadrangle(corners.map(|corner| foot + corner))
+            }
+        }
+    }
+
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    fn planar(&self) -> Option<Planar<V>> {
+        Some(Planar::HalfPlane { point: self.point, normal: self.normal })
     }
 }
 

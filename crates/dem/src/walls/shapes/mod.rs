@@ -1,20 +1,21 @@
 //! Shapes of wall surfaces, one file each.
 //!
-//! A shape knows its nearest point to a centre, its bounds, and where a path passes through it. Half-planes and balls are solid. All others are thin: they push grains away on both sides.
+//! A shape knows its nearest point to a centre, its bounds, where a path passes through it, its area between two heights and its
+//! drawing. Half-planes and balls are solid. All others are thin: they push grains away on both sides.
 
 pub mod ball;
 pub mod half_plane;
 pub mod panel;
 pub mod prism;
+pub(crate) mod revolution;
 pub mod revolved;
 pub mod segment;
 pub mod spherical_zone;
 pub mod triangle;
 pub mod trimmed;
 
-use std::f64::consts::PI;
-
 use crate::space::{COINCIDENT, PARTED, Space};
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
 
 /// Position of a shape relative to a centre.
@@ -94,6 +95,66 @@ pub trait Shape<V: Space> {
     fn placed(&self, pose: &Pose<V>) -> Self
     where
         Self: Sized;
+
+    /// Returns a point of the shape, or of its axis, m. It is the reference of torques on a wall of this shape.
+    fn reference(&self) -> V;
+
+    /// Returns the area between two heights, m^2, in the plane the length, m; `None` if the shape has no ends.
+    fn area_between(&self, low: f64, high: f64) -> Option<f64>;
+
+    /// Returns the drawing.
+    fn drawing(&self, detail: &Detail) -> Drawing;
+
+    /// Whether the shape is solid inside.
+    fn is_solid(&self) -> bool {
+        false
+    }
+
+    /// Returns the unit vector of the axis about which the shape may turn in its place.
+    fn axis(&self) -> Option<V> {
+        None
+    }
+
+    /// Whether the shape is a straight extension along an axis of coordinates.
+    fn runs_along(&self, _axis: usize) -> bool {
+        false
+    }
+
+    /// Returns the numbers of a shape that the plane has, too.
+    fn planar(&self) -> Option<Planar<V>> {
+        None
+    }
+}
+
+/// A shape of those that the plane has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Planar<V> {
+    /// Solid behind a line, or in solid space behind a plane.
+    HalfPlane {
+        /// A point of the surface, m.
+        point: V,
+        /// Unit normal into the free half.
+        normal: V,
+    },
+    /// A thin line.
+    Segment {
+        /// One end, m.
+        from: V,
+        /// The other end, m.
+        to: V,
+    },
+    /// A disc or sphere, solid inside.
+    Ball {
+        /// Centre, m.
+        centre: V,
+        /// Radius, m.
+        radius: f64,
+    },
+}
+
+/// Whether a vector is along an axis of coordinates, to rounding.
+fn is_along<V: Space>(edge: V, axis: usize) -> bool {
+    edge.axis(axis).abs() >= (1.0 - 1e-12) * edge.length()
 }
 
 /// Returns the box around points.
@@ -129,17 +190,4 @@ fn roots(a: f64, half_b: f64, c: f64) -> [f64; 2] {
 /// Returns the roots of a t^2 + 2 half_b t + c that are shares of a path (0 to 1), ascending.
 fn path_shares(a: f64, half_b: f64, c: f64) -> Vec<f64> {
     roots(a, half_b, c).into_iter().filter(|share| (0.0..=1.0).contains(share)).collect()
-}
-
-/// Returns the points of a profile (r, z), m, turned by `number` of `around` parts of a turn about an axis, given by a point and a unit
-/// vector.
-pub(crate) fn turned<V: Space, const N: usize>(
-    (base, axis): (V, V),
-    profile: [[f64; 2]; N],
-    (number, around): (u32, u32),
-) -> [V; N] {
-    let across = axis.any_perpendicular();
-    let other = V::narrow(axis.spread().cross(across.spread()));
-    let (sine, cosine) = (2.0 * PI * f64::from(number) / f64::from(around)).sin_cos();
-    profile.map(|[r, z]| base + axis * z + (across * cosine + other * sine) * r)
 }

@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Linear, Plane, Space};
+use crate::walls::area::clipped_area;
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_end};
+use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_along, is_end};
 
 /// A thin rectangle.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -43,6 +45,7 @@ impl<V: Space> Shape<V> for Panel<V> {
     fn bounds(&self) -> Option<[V; 2]> {
         box_around(&self.corners())
     }
+
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { corner: pose.point(self.corner), along: pose.direction(self.along), across: pose.direction(self.across) }
     }
@@ -59,6 +62,22 @@ impl<V: Space> Shape<V> for Panel<V> {
         let at = from + (to - from) * share - corner;
         let inside = |edge| (0.0..=1.0).contains(&(Linear::dot(at, edge) / Linear::length_squared(edge)));
         (inside(along) && inside(across)).then_some(share)
+    }
+
+    fn reference(&self) -> V {
+        self.corner
+    }
+
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        Some(clipped_area(&self.corners(), low, high))
+    }
+
+    fn drawing(&self, _: &Detail) -> Drawing {
+        Drawing::quadrangle(self.corners().map(Linear::spread))
+    }
+
+    fn runs_along(&self, axis: usize) -> bool {
+        is_along(self.along, axis) || is_along(self.across, axis)
     }
 }
 

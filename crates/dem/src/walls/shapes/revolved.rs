@@ -9,11 +9,16 @@
 //!
 //! Limit: a grain wider than the tube that it blocks touches it all round. Here it has one contact, at one point.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
+use crate::walls::area::strips_area;
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, roots, turned};
+use crate::walls::shapes::revolution::Axis;
+use crate::walls::shapes::{Nearest, Shape, is_along, is_end, parted, path_shares, roots};
 
 /// A thin surface of revolution in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -60,10 +65,14 @@ impl<V: Space> Revolved<V> {
 
     /// Returns one of `around` flat pieces about the axis, by its number.
     pub(super) fn facet(&self, number: u32, around: u32) -> [V; 4] {
-        let ends = |number| turned((self.base, self.axis), [self.from, self.to], (number, around));
+        let ends = |number| self.line_axis().turned([self.from, self.to], number, around);
         let [a, d] = ends(number);
         let [b, c] = ends(number + 1);
         [a, b, c, d]
+    }
+
+    fn line_axis(&self) -> Axis<V> {
+        Axis { base: self.base, direction: self.axis }
     }
 
     /// Whether the surface is a flat ring. For a line as flat as this, the slope of a cone would be lost in rounding.
@@ -154,6 +163,7 @@ impl<V: Space> Shape<V> for Revolved<V> {
         };
         Some([bound(-1.0, f64::min), bound(1.0, f64::max)])
     }
+
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { base: pose.point(self.base), axis: pose.direction(self.axis), ..*self }
     }
@@ -178,6 +188,44 @@ impl<V: Space> Shape<V> for Revolved<V> {
         };
         let [a, half_b, c] = self.cone_terms(from, to - from);
         path_shares(a, half_b, c).into_iter().find(is_within)
+    }
+
+    fn reference(&self) -> V {
+        self.base
+    }
+
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        let [[r_0, z_0], [r_1, z_1]] = [self.from, self.to];
+        let upwards = self.axis.height();
+        if (upwards.abs() - 1.0).abs() >= 1e-12 {
+            return Some(strips_area(&self.line_axis(), &[self.from, self.to], low, high));
+        }
+        let length = (r_1 - r_0).hypot(z_1 - z_0);
+        let height = |z: f64| self.base.height() + upwards * z;
+        let from = height(z_0);
+        let to = height(z_1);
+        if from.min(to) >= from.max(to) {
+            let is_inside = (low..high).contains(&from);
+            return Some(if is_inside { PI * (r_0 + r_1) * length } else { 0.0 });
+        }
+        let share_at = |height: f64| ((height - from) / (to - from)).clamp(0.0, 1.0);
+        let a = share_at(low);
+        let b = share_at(high);
+        let radius = |share: f64| r_0 + share * (r_1 - r_0);
+        Some(PI * (radius(a) + radius(b)) * length * (b - a).abs())
+    }
+
+    fn drawing(&self, &Detail { sectors, .. }: &Detail) -> Drawing {
+        Drawing::revolved(self.base.spread(), self.axis.spread(), &[self.from, self.to], sectors)
+    }
+
+    fn axis(&self) -> Option<V> {
+        Some(self.axis)
+    }
+
+    /// A cone differs from place to place along its axis.
+    fn runs_along(&self, axis: usize) -> bool {
+        (self.from[0] - self.to[0]).abs() <= 0.0 && is_along(self.axis, axis)
     }
 }
 

@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Dimension, Linear, Plane, Space};
+use crate::walls::area::share_between;
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_end};
+use crate::walls::shapes::{Nearest, Planar, Shape, box_around, foot_share, is_along, is_end};
 
 /// A thin line between two points.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -51,6 +53,33 @@ impl<V: Space> Shape<V> for Segment<V> {
 
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { from: pose.point(self.from), to: pose.point(self.to) }
+    }
+
+    fn reference(&self) -> V {
+        self.from
+    }
+
+    /// In solid space it is 0, because a rod has no area.
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        Some(match V::DIMENSION {
+            Dimension::Plane => {
+                let heights = [self.from, self.to].map(Space::height);
+                self.from.distance(self.to) * share_between(heights, low, high)
+            }
+            Dimension::Solid => 0.0,
+        })
+    }
+
+    fn drawing(&self, _: &Detail) -> Drawing {
+        Drawing::line([self.from, self.to].map(Linear::spread))
+    }
+
+    fn runs_along(&self, axis: usize) -> bool {
+        is_along(self.to - self.from, axis)
+    }
+
+    fn planar(&self) -> Option<Planar<V>> {
+        Some(Planar::Segment { from: self.from, to: self.to })
     }
 }
 

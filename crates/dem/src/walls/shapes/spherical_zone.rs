@@ -7,13 +7,19 @@
 //!
 //! Limit: a grain that blocks the sphere or an orifice touches it all round. Here it has one contact, at one point.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
+use crate::walls::area::strips_area;
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
+use crate::walls::shapes::revolution::Axis;
 use crate::walls::shapes::{Nearest, Shape, parted, path_shares};
+
+/// Number of pieces from pole to pole of a sphere whose area is measured.
+const PIECES: u32 = 180;
 
 /// A thin spherical zone in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -40,7 +46,7 @@ impl<V: Space> SphericalZone<V> {
     }
 
     /// Returns the heights of the ends of the zone, m.
-    pub(crate) fn ends(&self) -> [f64; 2] {
+    fn ends(&self) -> [f64; 2] {
         self.heights.map(|height| height.clamp(-self.radius, self.radius))
     }
 
@@ -50,7 +56,7 @@ impl<V: Space> SphericalZone<V> {
     }
 
     /// Returns points (r, z) of the section on one side of the axis, from the low end to the high one: `lines` pieces for a whole sphere.
-    pub fn profile(&self, lines: u32) -> Vec<[f64; 2]> {
+    fn profile(&self, lines: u32) -> Vec<[f64; 2]> {
         let [low, high] = self.ends().map(|height| height.atan2(self.circle(height)));
         let share = (high - low) / PI;
         #[expect(
@@ -122,6 +128,29 @@ impl<V: Space> Shape<V> for SphericalZone<V> {
         let c = start.length_squared() - self.radius * self.radius;
         let shares = path_shares(way.length_squared(), start.dot(way), c);
         shares.into_iter().find(|share| self.has_height((start + way * *share).dot(self.axis)))
+    }
+
+    fn reference(&self) -> V {
+        self.centre
+    }
+
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        let upwards = self.axis.height();
+        if (upwards.abs() - 1.0).abs() < 1e-12 {
+            let [from, to] = self.ends().map(|height| self.centre.height() + upwards * height);
+            let within = from.max(to).min(high) - from.min(to).max(low);
+            return Some(TAU * self.radius * within.max(0.0));
+        }
+        let axis = Axis { base: self.centre, direction: self.axis };
+        Some(strips_area(&axis, &self.profile(PIECES), low, high))
+    }
+
+    fn drawing(&self, &Detail { sectors, .. }: &Detail) -> Drawing {
+        Drawing::revolved(self.centre.spread(), self.axis.spread(), &self.profile(sectors / 2), sectors)
+    }
+
+    fn axis(&self) -> Option<V> {
+        Some(self.axis)
     }
 }
 

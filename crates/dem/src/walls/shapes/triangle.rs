@@ -6,6 +6,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Linear, Plane, Space};
+use crate::walls::area::clipped_area;
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, box_around};
 
@@ -79,6 +81,18 @@ impl<V: Space> Shape<V> for Triangle<V> {
         let share = a.dot(normal) / way.dot(normal);
         // A path along the plane of the triangle has no share that is finite.
         (passes && (0.0..=1.0).contains(&share)).then_some(share)
+    }
+
+    fn reference(&self) -> V {
+        self.0[0]
+    }
+
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        Some(clipped_area(&self.0, low, high))
+    }
+
+    fn drawing(&self, _: &Detail) -> Drawing {
+        Drawing::triangle(self.0.map(Linear::spread))
     }
 }
 

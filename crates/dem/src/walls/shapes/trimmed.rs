@@ -14,8 +14,10 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::space::{Plane, Space};
-use crate::walls::clip::clip;
+use crate::space::{Linear, Plane, Space};
+use crate::walls::area::clipped_area;
+use crate::walls::clip::{clip, share_edges};
+use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::prism::Prism;
@@ -27,6 +29,9 @@ const SAMPLES: u32 = 32;
 
 /// Number of flat pieces of the rim, for the bounds.
 const RIM_PIECES: u32 = 48;
+
+/// Number of flat pieces about the axis, and of sides of a round hole, where the area is measured.
+const AREA_PIECES: u32 = 240;
 
 /// Least cosine of the angle between the normal of the surface and the direction of the prism.
 const OBLIQUE: f64 = 0.1;
@@ -46,14 +51,6 @@ impl<V: Space> Whole<V> {
         match self {
             Self::Panel(shape) => shape,
             Self::Revolved(shape) => shape,
-        }
-    }
-
-    /// Returns a point of the surface, or of its axis, m.
-    pub(crate) fn reference(&self) -> V {
-        match self {
-            Self::Panel(panel) => panel.corner,
-            Self::Revolved(shape) => shape.base,
         }
     }
 
@@ -294,6 +291,21 @@ impl<V: Space> Shape<V> for Trimmed<V> {
         let samples = self.samples.iter().map(|(point, slope)| (pose.point(*point), pose.direction(*slope)));
         Self { whole, prism: self.prism.placed(pose), is_patch: self.is_patch, samples: samples.collect() }
     }
+
+    fn reference(&self) -> V {
+        self.whole.shape().reference()
+    }
+
+    fn area_between(&self, low: f64, high: f64) -> Option<f64> {
+        Some(self.pieces(AREA_PIECES).iter().map(|piece| clipped_area(piece, low, high)).sum())
+    }
+
+    fn drawing(&self, &Detail { sectors, domain }: &Detail) -> Drawing {
+        let spread = |piece: Vec<V>| piece.into_iter().map(Linear::spread).collect();
+        let mut pieces: Vec<Vec<_>> = self.pieces(sectors).into_iter().map(spread).collect();
+        share_edges(&mut pieces, 1e-9 * (domain[1] - domain[0]).length());
+        Drawing::fans(pieces)
+    }
 }
 
 #[cfg(test)]
@@ -303,7 +315,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::space::{Linear, Solid};
+    use crate::space::Solid;
     use crate::walls::clip::area;
 
     fn cylinder() -> Whole<Solid> {

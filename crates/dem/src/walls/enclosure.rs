@@ -1,4 +1,4 @@
-//! Outline: the lines that no path of a grain may cross, and the line that is the orifice.
+//! The enclosure of the grains in the plane: the lines that no path of a grain may cross, and the line that is the orifice.
 //!
 //! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they are
 //!   to each other (`disc_links`). This relative neighbourhood graph links neighbours, without chords across corners.
@@ -12,29 +12,21 @@ use rustc_hash::FxHashMap;
 use crate::neighbours::cells::floor;
 use crate::space::{Plane, Vector};
 use crate::walls::disc_links::disc_links;
+use crate::walls::link::Link;
 use crate::walls::paths::{Crossing, Paths};
-use crate::walls::shapes::Shape as _;
 use crate::walls::shapes::ball::Ball;
 use crate::walls::shapes::half_plane::HalfPlane;
-use crate::walls::shapes::segment::Segment;
+use crate::walls::shapes::{Planar, Shape as _};
 use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::{Surface, SurfaceWall};
+use crate::walls::surface::Surface;
+use crate::walls::surface_wall::SurfaceWall;
 
 /// Most door grains that are compared pair by pair.
 const MANY: usize = 1000;
 
-/// A line that encloses grains.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
-    /// One end, m.
-    pub from: Vector,
-    /// The other end, m.
-    pub to: Vector,
-}
-
-/// Lines of a scene's enclosure.
+/// The lines that enclose the grains of a scene of the plane, and the orifice.
 #[derive(Clone, Debug, Default)]
-pub struct Outline {
+pub struct Enclosure {
     links: Vec<Link>,
     /// Side of a cell, m.
     cell: f64,
@@ -48,36 +40,36 @@ pub struct Outline {
     bounds: Option<[Vector; 2]>,
 }
 
-impl Outline {
-    /// Makes the outline of wall discs, door discs and wall surfaces, for grains of radius `smallest` (m) or more.
+impl Enclosure {
+    /// Makes the enclosure of wall discs, door discs and wall surfaces, for grains of radius `smallest` (m) or more.
     #[must_use]
     pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[SurfaceWall], smallest: f64) -> Self {
         let mut links = disc_links(walls, smallest);
         let mut corners: Vec<_> = walls.iter().map(|disc| disc.centre).collect();
+        let mut half_planes = Vec::new();
+        let mut balls = Vec::new();
         for surface in surfaces {
-            if let Surface::Segment(Segment { from, to }) = surface.surface {
-                if surface.door.is_none() {
-                    links.push(Link { from, to });
+            let is_door = surface.door.is_some();
+            match surface.surface.shape().planar() {
+                Some(Planar::Segment { from, to }) => {
+                    if !is_door {
+                        links.push(Link { from, to });
+                    }
+                    corners.extend([from, to]);
                 }
-                corners.extend([from, to]);
-            }
-            if let Surface::Ball(ball) = surface.surface {
-                corners.push(ball.centre);
+                Some(Planar::Ball { centre, radius }) => {
+                    if !is_door {
+                        balls.push(Ball { centre, radius });
+                    }
+                    corners.push(centre);
+                }
+                Some(Planar::HalfPlane { point, normal }) if !is_door => half_planes.push(HalfPlane { point, normal }),
+                _ => {}
             }
         }
-        let half_plane = |wall: &SurfaceWall| match wall.surface {
-            Surface::HalfPlane(shape) if wall.door.is_none() => Some(shape),
-            _ => None,
-        };
-        let half_planes = surfaces.iter().filter_map(half_plane).collect();
-        let ball = |wall: &SurfaceWall| match wall.surface {
-            Surface::Ball(shape) if wall.door.is_none() => Some(shape),
-            _ => None,
-        };
-        let balls = surfaces.iter().filter_map(ball).collect();
         let bounds = corners.iter().copied().reduce(Vector::min).zip(corners.iter().copied().reduce(Vector::max));
         let longest = links.iter().map(|link| link.from.distance(link.to)).fold(smallest, f64::max);
-        let mut outline = Self {
+        let mut enclosure = Self {
             links,
             cell: longest,
             links_by_cell: FxHashMap::default(),
@@ -87,12 +79,12 @@ impl Outline {
             doors: surfaces.iter().filter_map(|wall| Some((wall.door?, wall.surface.clone()))).collect(),
             bounds: bounds.map(|(low, high)| [low, high]),
         };
-        for (index, link) in outline.links.iter().enumerate() {
-            for key in cells(link.from, link.to, outline.cell) {
-                outline.links_by_cell.entry(key).or_default().push(index);
+        for (index, link) in enclosure.links.iter().enumerate() {
+            for key in cells(link.from, link.to, enclosure.cell) {
+                enclosure.links_by_cell.entry(key).or_default().push(index);
             }
         }
-        outline
+        enclosure
     }
 
     /// Removes the bounding box. In a periodic scene, every path may leave it; if walls move, the box does not stay.
@@ -120,7 +112,7 @@ impl Outline {
     }
 }
 
-impl Paths<Plane> for Outline {
+impl Paths<Plane> for Enclosure {
     fn crossing(&self, from: Vector, to: Vector) -> Option<Crossing<Vector>> {
         let wall = |link: &Link| Crossing::Wall { from: link.from, to: link.to };
         let mut first: Option<(f64, Crossing<Vector>)> = None;
@@ -172,13 +164,6 @@ impl Paths<Plane> for Outline {
     }
 }
 
-impl Link {
-    /// Returns where the path crosses this line, as a share of the path (0 to 1).
-    fn crossed_at(&self, from: Vector, to: Vector) -> Option<f64> {
-        Segment { from: self.from, to: self.to }.crossing(from, to)
-    }
-}
-
 /// Returns the cells of side `cell` that the box around a line overlaps.
 fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> {
     // Callers limit the number of cells.
@@ -188,7 +173,7 @@ fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> 
 
 /// Returns the line between the flanks of the door.
 fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
-    let (first, last) = farthest_pair(door)?;
+    let [first, last] = farthest_pair(door)?;
     let middle = 0.5 * (first + last);
     let nearest = |to: Vector, admits: &dyn Fn(Vector) -> bool| {
         let centres = walls.iter().map(|disc| disc.centre).filter(|&centre| admits(centre));
@@ -200,11 +185,12 @@ fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
 }
 
 /// Returns the centres of the two door grains that are farthest apart.
-fn farthest_pair(door: &[Disc]) -> Option<(Vector, Vector)> {
+fn farthest_pair(door: &[Disc]) -> Option<[Vector; 2]> {
     let centres: Vec<_> = door.iter().map(|disc| disc.centre).collect();
     let ends = if centres.len() > MANY { corners(centres) } else { centres };
-    let pairs = ends.iter().flat_map(|&a| ends.iter().map(move |&b| (a, b)));
-    pairs.reduce(|best, pair| if pair.0.distance(pair.1) > best.0.distance(best.1) { pair } else { best })
+    let pairs = ends.iter().flat_map(|&a| ends.iter().map(move |&b| [a, b]));
+    let length = |[from, to]: [Vector; 2]| from.distance(to);
+    pairs.reduce(|best, pair| if length(pair) > length(best) { pair } else { best })
 }
 
 /// Returns the corners of the convex hull of some points: those farthest apart are among them (Andrew, Inf. Process. Lett. 9, 216, 1979).
@@ -231,16 +217,16 @@ fn corners(mut points: Vec<Vector>) -> Vec<Vector> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::walls::config::Wall;
+    use crate::particle::Species;
 
     fn discs(centres: &[(f64, f64)]) -> Vec<Disc> {
         centres.iter().map(|&(x, y)| Disc { centre: Vector::new(x, y), radius: 0.3 }).collect()
     }
 
     /// A square corner, a gap and a far post, with two door grains in the gap.
-    fn corner() -> Outline {
+    fn corner() -> Enclosure {
         let walls = discs(&[(0.0, 2.0), (0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (4.0, 0.0), (5.0, 0.0)]);
-        Outline::new(&walls, &discs(&[(2.0, 0.0), (3.0, 0.0)]), &[], 0.5)
+        Enclosure::new(&walls, &discs(&[(2.0, 0.0), (3.0, 0.0)]), &[], 0.5)
     }
 
     #[test]
@@ -254,7 +240,7 @@ mod tests {
     fn the_orifice_lies_between_the_flanks_of_the_door() {
         let orifice = corner().orifice().unwrap();
         assert_eq!((orifice.from, orifice.to), (Vector::new(1.0, 0.0), Vector::new(4.0, 0.0)));
-        let one = Outline::new(&discs(&[(-1.0, 0.0), (-3.0, 0.0), (1.5, 0.0)]), &discs(&[(0.0, 0.0)]), &[], 0.1);
+        let one = Enclosure::new(&discs(&[(-1.0, 0.0), (-3.0, 0.0), (1.5, 0.0)]), &discs(&[(0.0, 0.0)]), &[], 0.1);
         let orifice = one.orifice().unwrap();
         assert_eq!((orifice.from, orifice.to), (Vector::new(-1.0, 0.0), Vector::new(1.5, 0.0)));
     }
@@ -266,7 +252,7 @@ mod tests {
             (x, 0.1 * (2.0 * x).sin())
         };
         let many: Vec<_> = (0..1500).map(on_a_bow).collect();
-        let (from, to) = farthest_pair(&discs(&many)).unwrap();
+        let [from, to] = farthest_pair(&discs(&many)).unwrap();
         let pairs = many.iter().flat_map(|a| many.iter().map(move |b| (a.0 - b.0).hypot(a.1 - b.1)));
         let longest = pairs.fold(0.0, f64::max);
         assert!((from.distance(to) - longest).abs() < 1e-12, "{from} {to}");
@@ -274,31 +260,28 @@ mod tests {
 
     #[test]
     fn the_first_line_on_a_path_counts() {
-        let outline = corner();
-        assert_eq!(outline.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice(0)));
-        let through = outline.crossing(Vector::new(0.5, 0.1), Vector::new(-100.0, -0.1));
+        let enclosure = corner();
+        assert_eq!(enclosure.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice(0)));
+        let through = enclosure.crossing(Vector::new(0.5, 0.1), Vector::new(-100.0, -0.1));
         assert!(matches!(through, Some(Crossing::Wall { from, to }) if from.x == 0.0 && to.x == 0.0), "{through:?}");
-        assert_eq!(outline.crossing(Vector::new(0.5, 0.5), Vector::new(0.2, 0.3)), None);
+        assert_eq!(enclosure.crossing(Vector::new(0.5, 0.5), Vector::new(0.2, 0.3)), None);
     }
 
     #[test]
     fn leaving_the_box_sideways_or_downwards_is_noticed() {
-        let outline = corner();
+        let enclosure = corner();
         let inside = Vector::new(1.0, 1.0);
-        assert_eq!(outline.beyond(inside, Vector::new(1.0, 9.0)), None);
-        assert_eq!(outline.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
-        assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
-        assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "the grain was never inside");
-        let wall = Wall::HalfPlane {
-            point: Vector::ZERO.into(),
-            normal: Vector::Y.into(),
-            velocity: None,
-            species: 0,
-            name: None,
-            door: false,
-        };
-        let floor = wall.surfaces(0).remove(0);
-        let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
+        assert_eq!(enclosure.beyond(inside, Vector::new(1.0, 9.0)), None);
+        assert_eq!(enclosure.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
+        assert_eq!(enclosure.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
+        assert_eq!(
+            enclosure.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)),
+            None,
+            "the grain was never inside"
+        );
+        let floor = Surface::HalfPlane(HalfPlane { point: Vector::ZERO, normal: Vector::Y });
+        let floor = SurfaceWall::still(floor, Species(0));
+        let open = Enclosure::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
         assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no lateral bounds");
     }
 }

@@ -7,10 +7,10 @@ use crate::values::{FiniteVector, Positive};
 use crate::walls::shapes::prism::Prism;
 use crate::walls::shapes::trimmed::Whole;
 
-/// A circle or a rectangle. It cuts the wall that it meets when it moves along its normal.
+/// The outline of a hole or patch. It cuts the wall that it meets when it moves along its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub enum Figure {
+pub enum Cut {
     /// A circle.
     Circle {
         /// Centre, m.
@@ -33,9 +33,9 @@ pub enum Figure {
     },
 }
 
-impl Figure {
+impl Cut {
     /// Returns the prism that cuts a surface. `vector` converts the vectors of the scene.
-    pub(super) fn prism<V: Space>(&self, whole: &Whole<V>, vector: impl Fn(FiniteVector) -> V) -> Prism<V> {
+    pub(in crate::walls) fn prism<V: Space>(&self, whole: &Whole<V>, vector: impl Fn(FiniteVector) -> V) -> Prism<V> {
         match *self {
             Self::Circle { centre, radius, normal } => {
                 let centre = vector(centre);
@@ -57,7 +57,7 @@ impl Figure {
         }
     }
 
-    /// Returns the vectors of the figure with their keys.
+    /// Returns the vectors of the cut with their keys.
     pub(super) fn vectors(&self) -> Vec<(&'static str, FiniteVector)> {
         match *self {
             Self::Circle { centre, normal, .. } => [("centre", Some(centre)), ("normal", normal)]

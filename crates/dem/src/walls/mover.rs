@@ -1,0 +1,163 @@
+//! Movers: surfaces that move together, and the cause of their motion.
+
+use serde::{Deserialize, Serialize};
+
+use crate::space::{Linear, Space};
+use crate::walls::motion::{Motion, PoseInTime};
+use crate::walls::pose::Pose;
+use crate::walls::surface_wall::SurfaceWall;
+
+/// Walls that move together.
+#[derive(Clone, Debug)]
+pub struct Mover<V: Space> {
+    /// The surfaces at their places in the scene, each with its index in [`Surfaces::all`].
+    home: Vec<(usize, SurfaceWall<V>)>,
+    drive: Drive<V>,
+    /// Largest distance of a point of a surface with bounds from the reference point of that surface, m.
+    reach: f64,
+}
+
+/// The cause of the motion of a [`Mover`].
+#[derive(Clone, Debug)]
+pub enum Drive<V: Space> {
+    /// A motion of the scene.
+    Motion(Motion),
+    /// A door that moves between shut and open.
+    Leaf {
+        /// Number of the door.
+        door: u16,
+        /// Shift from shut to open, m.
+        by: V,
+        /// Speed, m/s.
+        speed: f64,
+        /// The present command.
+        state: LeafState,
+    },
+}
+
+/// The last command of a moving door.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+pub struct LeafState {
+    /// Time of the command, s.
+    since: f64,
+    /// Share of the way to the open place at that time.
+    share: f64,
+    /// Whether the door opens.
+    opens: bool,
+}
+
+/// The place of a moving door.
+struct LeafPlace {
+    /// Share of the way from shut to open.
+    share: f64,
+    is_under_way: bool,
+}
+
+impl LeafState {
+    /// Returns the place of the door at a time, s. `whole` is the time of the whole way, s.
+    fn at(&self, time: f64, whole: f64) -> LeafPlace {
+        let way = (time - self.since).max(0.0) / whole;
+        let share = if self.opens { (self.share + way).min(1.0) } else { (self.share - way).max(0.0) };
+        LeafPlace { share, is_under_way: if self.opens { share < 1.0 } else { share > 0.0 } }
+    }
+}
+
+impl<V: Space> Drive<V> {
+    fn at(&self, time: f64) -> PoseInTime<V> {
+        match self {
+            Self::Motion(motion) => motion.at(time),
+            Self::Leaf { by, speed, state, .. } => {
+                let LeafPlace { share, is_under_way } = state.at(time, by.length() / speed);
+                let rate = match (is_under_way, state.opens) {
+                    (false, _) => 0.0,
+                    (true, true) => *speed,
+                    (true, false) => -*speed,
+                };
+                PoseInTime { pose: Pose::shifted(*by * share), velocity: by.unit_or_zero() * rate, spin: V::Spin::ZERO }
+            }
+        }
+    }
+}
+
+impl<V: Space> Mover<V> {
+    /// Takes the walls at their places in the scene, each with its index among all surfaces.
+    pub fn new(home: Vec<(usize, SurfaceWall<V>)>, drive: Drive<V>) -> Self {
+        let corners = |wall: &SurfaceWall<V>| {
+            let [low, high] = wall.surface.bounds().unwrap_or([wall.reference; 2]);
+            V::from_components(|axis| {
+                (high - wall.reference).axis(axis).abs().max((low - wall.reference).axis(axis).abs())
+            })
+            .length()
+        };
+        let reach = home.iter().map(|(_, wall)| corners(wall)).fold(0.0, f64::max);
+        Self { home, drive, reach }
+    }
+
+    /// Iterates over the surfaces without ends that turn: a point of them far away moves by any distance in a step.
+    pub(super) fn endless_that_turn(&self) -> impl Iterator<Item = usize> {
+        let turns = matches!(&self.drive, Drive::Motion(Motion { rotate: Some(_), .. }));
+        let endless = self.home.iter().filter(move |(_, wall)| turns && wall.surface.bounds().is_none());
+        endless.map(|(index, _)| *index)
+    }
+
+    /// Places the surfaces for the time `now`, s. Returns the longest way of one of their points since the time `before`, m.
+    pub(super) fn place(&self, all: &mut [SurfaceWall<V>], before: f64, now: f64) -> f64 {
+        let before = self.drive.at(before);
+        let now = self.drive.at(now);
+        let turned = (now.pose.angle - before.pose.angle).abs();
+        let pivot = now.pose.point(now.pose.about);
+        let mut longest = 0.0f64;
+        for (index, home) in &self.home {
+            let wall = &mut all[*index];
+            let reference = now.pose.point(home.reference);
+            longest = longest.max(wall.reference.distance(reference) + turned * self.reach);
+            wall.surface = home.surface.placed(&now.pose);
+            wall.reference = reference;
+            wall.velocity = home.velocity + now.velocity + (reference - pivot).turned_by(now.spin);
+            wall.spin = home.spin + now.spin;
+        }
+        longest
+    }
+
+    /// Moves the leaf of a door towards open or shut from a time on, s. Returns when it arrives, s; `None` if the mover is no leaf of
+    /// this door.
+    pub(super) fn command(&mut self, number: u16, opens: bool, time: f64) -> Option<f64> {
+        match &mut self.drive {
+            Drive::Leaf { door, by, speed, state } if *door == number => {
+                let whole = by.length() / *speed;
+                let share = state.at(time, whole).share;
+                *state = LeafState { since: time, share, opens };
+                Some(time + whole * if opens { 1.0 - share } else { share })
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether the mover is a motion of the scene, and a grain that was at `from` at one time and is at `to` at the other (s) has passed
+    /// through one of its surfaces that are present. The path is straight as seen from the wall.
+    pub(super) fn is_crossed(&self, all: &[SurfaceWall<V>], from: V, to: V, times: [f64; 2]) -> bool {
+        if matches!(self.drive, Drive::Leaf { .. }) {
+            return false;
+        }
+        let [before, now] = times.map(|time| self.drive.at(time).pose);
+        let from = before.origin_of(from);
+        let to = now.origin_of(to);
+        let present = self.home.iter().filter(|(index, _)| all[*index].is_present);
+        present.map(|(_, wall)| &wall.surface).any(|surface| surface.crossing(from, to).is_some())
+    }
+
+    /// Returns the last command of a moving door.
+    pub(super) fn leaf(&self) -> Option<LeafState> {
+        match self.drive {
+            Drive::Leaf { state, .. } => Some(state),
+            Drive::Motion(_) => None,
+        }
+    }
+
+    /// Takes over the last command of a moving door.
+    pub(super) fn set_leaf(&mut self, saved: Option<LeafState>) {
+        if let (Drive::Leaf { state, .. }, Some(saved)) = (&mut self.drive, saved) {
+            *state = saved;
+        }
+    }
+}
