@@ -5,6 +5,8 @@ mod accuracy;
 mod check;
 mod compare;
 mod diff;
+#[cfg(test)]
+mod documented_columns;
 mod exit_status;
 mod explain;
 mod export;

@@ -8,12 +8,14 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::measure::flow::{Flow, FlowField};
+use crate::measure::flow::{Flow, FlowField, FlowMeans};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::step::Step;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_lattice::velocities::{in_bonds, momentum};
@@ -23,6 +25,24 @@ struct FlowSampler {
     config: Flow,
     field: FlowField,
     file: Rows,
+}
+
+const VELOCITY: &str = "mean velocity";
+
+/// The columns.
+pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
+    Column::new("x_m", "m", "middle of the cell", |row| Decimal(row.x)),
+    Column::new("y_m", "m", "middle of the cell", |row| Decimal(row.y)),
+    Column::new("samples", "", "number of samples of the field, equal in all rows", |row| Whole(row.samples)),
+    Column::new("count", "particles", "mean number of particles per sample", |row| Decimal(row.count)),
+    Column::new("vx_m_per_step", "m/step", VELOCITY, |row| Scientific(row.vx)),
+    Column::new("vy_m_per_step", "m/step", VELOCITY, |row| Scientific(row.vy)),
+];
+
+/// Returns the means of a field as rows.
+fn rows(field: &FlowField) -> String {
+    let columns = Columns::of(false, &[COLUMNS]);
+    field.means().iter().map(|means| format!("{}\n", columns.cells(means))).collect()
 }
 
 fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>, mut outcome: ResMut<Outcome>) {
@@ -41,7 +61,7 @@ fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>
         field.end_sample();
     }
     if outcome.end().is_some() {
-        file.append(format_args!("{}", field.rows()), &mut outcome);
+        file.append(format_args!("{}", rows(field)), &mut outcome);
     }
 }
 
@@ -54,7 +74,7 @@ pub(crate) struct FlowPlugin {
 impl FlowPlugin {
     /// Creates the file with its header, or continues it.
     pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
-        let file = Rows::at(place, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
+        let file = Rows::at(place, &Columns::of(false, &[COLUMNS]).header())?;
         let field = FlowField::new(config.cell.get());
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }

@@ -4,12 +4,7 @@
 //! to `flow.to`. Grains that are out or lost and fixed particles are not counted. The rows are written at the end of
 //! the run. If the discharge never reaches `flow.from`, the file has only its header.
 //!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `x_m`, `y_m` | m | middle of the cell |
-//! | `samples` | | number of samples of the field, equal in all rows |
-//! | `count` | | mean number of grains per sample |
-//! | `vx_m_per_s`, `vy_m_per_s` | m/s | mean velocity: momentum over mass |
+//! `COLUMNS` has the columns.
 //!
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.
@@ -18,7 +13,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::ledger::Ledger;
-use crate::measure::flow::{Flow, FlowField};
+use crate::measure::flow::{Flow, FlowField, FlowMeans};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 use siloflow_dem::outcome::Outcome;
@@ -26,6 +21,8 @@ use siloflow_dem::particles::Motion;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Plane;
 use siloflow_dem::step::Step;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::{Column, Columns};
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -34,7 +31,23 @@ struct FlowSampler {
     file: Rows,
 }
 
-const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_s,vy_m_per_s";
+const VELOCITY: &str = "mean velocity: momentum over mass";
+
+/// The columns.
+pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
+    Column::new("x_m", "m", "middle of the cell", |row| Decimal(row.x)),
+    Column::new("y_m", "m", "middle of the cell", |row| Decimal(row.y)),
+    Column::new("samples", "", "number of samples of the field, equal in all rows", |row| Whole(row.samples)),
+    Column::new("count", "grains", "mean number of grains per sample", |row| Decimal(row.count)),
+    Column::new("vx_m_per_s", "m/s", VELOCITY, |row| Scientific(row.vx)),
+    Column::new("vy_m_per_s", "m/s", VELOCITY, |row| Scientific(row.vy)),
+];
+
+/// Returns the means of a field as rows.
+fn rows(field: &FlowField) -> String {
+    let columns = Columns::of(false, &[COLUMNS]);
+    field.means().iter().map(|means| format!("{}\n", columns.cells(means))).collect()
+}
 
 fn sample(
     (motion, ledger): (Motion<Plane>, Res<Ledger>),
@@ -51,7 +64,7 @@ fn sample(
         field.end_sample();
     }
     if outcome.end().is_some() {
-        file.append(format_args!("{}", field.rows()), &mut outcome);
+        file.append(format_args!("{}", rows(field)), &mut outcome);
     }
 }
 
@@ -68,7 +81,7 @@ impl FlowPlugin {
     /// If the file cannot be written.
     pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
         let field = FlowField::new(config.cell.get());
-        let file = Rows::at(place, HEADER)?;
+        let file = Rows::at(place, &Columns::of(false, &[COLUMNS]).header())?;
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }
 }
