@@ -1,7 +1,7 @@
 //! Measures the memory speed of this machine: bandwidth of one core as a function of array size, and latency of
 //! dependent reads.
 //!
-//! `cargo run --release --example memory`. docs/explanation/speed.md compares the results with the memory traffic of a step.
+//! `cargo run --release --example memory`. docs/developers/speed-notebook.md compares the results with the memory traffic of a step.
 
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 #![allow(clippy::cast_precision_loss, reason = "printed results")]

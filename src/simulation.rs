@@ -197,7 +197,7 @@ impl Simulation {
         let mut assembly = Assembly::new(&mut app);
         lattice_silo::plugins::add_all(&mut assembly, loaded);
         add_behaviours(&mut assembly, behaviours);
-        refuse_outputs(assembly.world(), &loaded.source, lattice_silo::series::HEADER)?;
+        refuse_outputs(assembly.world(), &loaded.source, &lattice_silo::series::header())?;
         more(&mut assembly)?;
         assembly.finish();
         if let Some((saved, unknown)) = saved {

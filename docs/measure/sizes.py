@@ -8,7 +8,7 @@ A gas of spheres above a floor, in a box that is periodic along x and y: 16000 s
 that with the same volume in all, at random places that fill 0.3 of the box, with velocities of up to 0.1 m/s. So the list is renewed often.
 
 --single is a program whose list is always searched with one grid: this program, built with `WORTHWHILE` in
-crates/kernel/src/neighbours/verlet_list/size_classes.rs set to f64::INFINITY. Without it that row is left out.
+crates/dem/src/neighbours/verlet_list/size_classes.rs set to f64::INFINITY. Without it that row is left out.
 
 The rows of a ratio alternate, pinned to one core. Prints the medians of ns per particle-step, and their ratio to the first row. Cells are
 filled anew in every step, so that 20 steps of them tell their time. All runs of as many steps end in the same state, to the last bit, or

@@ -7,6 +7,8 @@ mod compare;
 mod diff;
 #[cfg(all(test, target_os = "linux"))]
 mod disk_recorder;
+#[cfg(test)]
+mod documented_columns;
 mod exit_status;
 mod explain;
 mod export;

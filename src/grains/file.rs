@@ -9,7 +9,7 @@
 //! bits.
 
 mod read;
-mod write;
+pub(crate) mod write;
 
 use std::path::PathBuf;
 

@@ -9,15 +9,30 @@ use bevy_ecs::system::SystemParamItem;
 
 use crate::measure::flow::FlowField;
 use crate::output::flow::{FlowSource, Progress};
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::Column;
+use siloflow_files::flow_means::FlowMeans;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
 use siloflow_lattice::velocities::{in_bonds, momentum};
+
+const VELOCITY: &str = "mean velocity";
+
+/// The columns.
+pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
+    Column::new("x_m", "m", "middle of the cell", |row| Decimal(row.x)),
+    Column::new("y_m", "m", "middle of the cell", |row| Decimal(row.y)),
+    Column::new("samples", "", "number of samples of the field, equal in all rows", |row| Whole(row.samples)),
+    Column::new("count", "particles", "mean number of particles per sample", |row| Decimal(row.count)),
+    Column::new("vx_m_per_step", "m/step", VELOCITY, |row| Scientific(row.vx)),
+    Column::new("vy_m_per_step", "m/step", VELOCITY, |row| Scientific(row.vy)),
+];
 
 /// The particles of the gas as the field of mean velocity counts them.
 pub(crate) struct FlowOfLattice;
 
 impl FlowSource for FlowOfLattice {
-    const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step";
+    const COLUMNS: &[Column<FlowMeans>] = COLUMNS;
     type Particles = (Res<'static, Sites>, Res<'static, Gas>);
 
     fn progress((_, gas): &SystemParamItem<Self::Particles>) -> Progress {

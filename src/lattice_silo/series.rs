@@ -1,14 +1,5 @@
-//! `series.csv` of a lattice gas: one row every `series.interval` steps, and one at the end.
-//!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `step` | | step of the automaton |
-//! | `entered`, `inside`, `out` | particles | numbers of particles that have entered, are inside, have left |
-//! | `outflow_per_step` | 1/step | particles that left since the previous row, divided by the steps since that row |
-//! | `x_m`, `y_m` | m | mean position of all particles inside; the trace, if there is one particle |
-//! | `vx_m_per_step`, `vy_m_per_step` | m/step | mean velocity of all particles inside |
-//! | `at_rest` | | share of the particles inside that are at rest |
-//! | further columns | | those that behaviours [register](crate::measure::outputs) |
+//! `series.csv` of a lattice gas: one row every `series.interval` steps, and one at the end. `COLUMNS` has the columns; further ones are
+//! those that behaviours [register](crate::measure::outputs).
 //!
 //! All particles are counted for each row. The run fails if the count differs from entered minus out.
 
@@ -24,6 +15,8 @@ use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Vector;
 use siloflow_dem::step::{Clock, Step};
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_files::growing::OutputPlace;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::sites::Sites;
@@ -84,12 +77,48 @@ pub fn means(sites: &Sites, gas: &Gas) -> Means {
     Means { count, centre: moment / n, velocity, at_rest: resting as f64 / n }
 }
 
+/// A row of the file.
+#[derive(Debug)]
+pub(crate) struct SeriesRow {
+    step: u64,
+    entered: u64,
+    out: u64,
+    /// Particles per step.
+    outflow: f64,
+    means: Means,
+}
+
+const CENTRE: &str = "mean position of all particles inside; the path, if there is one particle";
+const VELOCITY: &str = "mean velocity of all particles inside";
+
 /// The columns of the file.
-pub(crate) const HEADER: &str = "step,entered,inside,out,outflow_per_step,x_m,y_m,vx_m_per_step,vy_m_per_step,at_rest";
+pub(crate) const COLUMNS: &[Column<SeriesRow>] = &[
+    Column::new("step", "", "step of the automaton", |row| Whole(row.step)),
+    Column::new("entered", "particles", "particles that have entered", |row| Whole(row.entered)),
+    Column::new("inside", "particles", "particles inside, counted for each row", |row| Whole(row.means.count)),
+    Column::new("out", "particles", "particles that have left", |row| Whole(row.out)),
+    Column::new(
+        "outflow_per_step",
+        "1/step",
+        "particles out since the previous row, over the steps since then",
+        |row| Decimal(row.outflow),
+    ),
+    Column::new("x_m", "m", CENTRE, |row| Decimal(row.means.centre.x)),
+    Column::new("y_m", "m", CENTRE, |row| Decimal(row.means.centre.y)),
+    Column::new("vx_m_per_step", "m/step", VELOCITY, |row| Scientific(row.means.velocity.x)),
+    Column::new("vy_m_per_step", "m/step", VELOCITY, |row| Scientific(row.means.velocity.y)),
+    Column::new("at_rest", "", "share of the particles inside that are at rest", |row| Decimal(row.means.at_rest)),
+];
+
+/// Returns the names of siloflow's own columns.
+pub(crate) fn header() -> String {
+    Columns::of(false, &[COLUMNS]).header()
+}
 
 #[derive(Resource)]
 struct SeriesFile {
     rows: Rows,
+    columns: Columns<SeriesRow>,
     last: Option<(u64, u64)>,
 }
 
@@ -110,16 +139,10 @@ fn write_row(
         Some((before, out_before)) if step > before => out.saturating_sub(out_before) as f64 / (step - before) as f64,
         _ => 0.0,
     };
-    let Means { count, centre: x, velocity: v, at_rest } = now;
-    let entered = gas.entered();
+    let row = SeriesRow { step, entered: gas.entered(), out, outflow, means: now };
     let registered = outputs::cells(registered);
-    series.rows.append(
-        format_args!(
-            "{step},{entered},{count},{out},{outflow:?},{:?},{:?},{:e},{:e},{at_rest:?}{registered}\n",
-            x.x, x.y, v.x, v.y
-        ),
-        &mut outcome,
-    );
+    let SeriesFile { rows, columns, .. } = &mut *series;
+    rows.append(format_args!("{}{registered}\n", columns.cells(&row)), &mut outcome);
 }
 
 /// Plugin that writes `series.csv`.
@@ -131,8 +154,10 @@ pub(crate) struct SeriesPlugin {
 impl SeriesPlugin {
     /// Creates the file with its header, or continues it. The world has the columns that behaviours have registered.
     pub fn create(config: Series, world: &World, place: &OutputPlace) -> std::io::Result<Self> {
-        let header = HEADER.to_owned() + &outputs::names(world);
-        Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, last: None }) })
+        let columns = Columns::of(false, &[COLUMNS]);
+        let header = columns.header() + &outputs::names(world);
+        let file = SeriesFile { rows: Rows::at(place, &header)?, columns, last: None };
+        Ok(Self { config, file: TakenOnce::new(file) })
     }
 }
 

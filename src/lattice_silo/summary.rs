@@ -17,8 +17,11 @@ use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
 use siloflow_dem::outcome::End;
 use siloflow_dem::persist::CheckpointFigures;
+use siloflow_dem::space::Vector;
 use siloflow_dem::step::Clock;
 use siloflow_dem::threads::Threads;
+use siloflow_files::columns::Cell::{Decimal, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_files::fnv::Fnv;
 use siloflow_lattice::gas::Gas;
 use siloflow_lattice::rules::Rules;
@@ -88,16 +91,22 @@ pub fn state_hash(sites: &Sites, gas: &Gas) -> u64 {
     hash.value()
 }
 
-/// Writes `state.csv`: position (m) and state of each site with particles. Bit i of a state is set if there is a
-/// particle with velocity i.
+/// The columns of `state.csv`: place (m) and state of a site.
+pub(crate) const STATE: &[Column<(Vector, u16)>] = &[
+    Column::new("x_m", "m", "place of the site; sites without particles have no row", |(x, _)| Decimal(x.x)),
+    Column::new("y_m", "m", "place of the site; sites without particles have no row", |(x, _)| Decimal(x.y)),
+    Column::new("state", "", "bit *i* is set if a particle has velocity *i*", |&(_, state)| Whole(state.into())),
+];
+
+/// Writes `state.csv`, with the columns `STATE`.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result<()> {
-    writeln!(file, "x_m,y_m,state")?;
+    let columns = Columns::of(false, &[STATE]);
+    writeln!(file, "{}", columns.header())?;
     for s in sites.fluid().filter(|&s| gas.states()[s] != 0) {
-        let x = sites.position(s);
-        writeln!(file, "{:?},{:?},{}", x.x, x.y, gas.states()[s])?;
+        writeln!(file, "{}", columns.cells(&(sites.position(s), gas.states()[s])))?;
     }
     Ok(())
 }

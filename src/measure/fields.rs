@@ -135,6 +135,77 @@ fn origin() -> (Finite, Finite) {
     (zero, zero)
 }
 
+/// The means of a cell, in their order. [`Layout::means_of`] computes them.
+pub const MEANS: [Mean; 7] = [
+    Mean::new("solid_fraction", "", "volume of grains over volume; in the plane, areas", Indices::None),
+    Mean::new("density", "kg/m^3, in the plane kg/m^2", "mass of grains over volume", Indices::None),
+    Mean::new("v", "m/s", "momentum over mass", Indices::Axis),
+    Mean::new(
+        "temperature",
+        "m^2/s^2",
+        "granular temperature: trace of the kinetic stress over the density and the number of axes",
+        Indices::None,
+    ),
+    Mean::new(
+        "kinetic_",
+        "Pa, in the plane N/m",
+        "kinetic stress: mean of m v v, less density times the mean velocities",
+        Indices::Symmetric,
+    ),
+    Mean::new(
+        "contact_",
+        "Pa, in the plane N/m",
+        "contact stress; the force is along the first axis, the branch along the second",
+        Indices::TwoAxes,
+    ),
+    Mean::new("share_", "", "share of each species in the mass; absent with one species", Indices::Species),
+];
+
+/// A mean of a cell, with all its components.
+#[derive(Clone, Copy, Debug)]
+pub struct Mean {
+    /// The name in the header, before the indices.
+    name: &'static str,
+    /// Unit, as in `m^2/s^2`.
+    pub unit: &'static str,
+    /// Meaning, as in the documentation.
+    pub meaning: &'static str,
+    indices: Indices,
+}
+
+/// The indices of the components of a mean. Axes are numbered from 1, species from 0.
+#[derive(Clone, Copy, Debug)]
+enum Indices {
+    None,
+    Axis,
+    /// Two axes, the second not below the first.
+    Symmetric,
+    TwoAxes,
+    Species,
+}
+
+impl Mean {
+    const fn new(name: &'static str, unit: &'static str, meaning: &'static str, indices: Indices) -> Self {
+        Self { name, unit, meaning, indices }
+    }
+
+    /// Returns the names of the components.
+    #[must_use]
+    pub fn names(self, layout: Layout) -> Vec<String> {
+        let Self { name, indices, .. } = self;
+        let axes = 1..=layout.components;
+        match indices {
+            Indices::None => vec![name.to_owned()],
+            Indices::Axis => axes.map(|a| format!("{name}{a}")).collect(),
+            Indices::Symmetric => {
+                axes.flat_map(|a| (a..=layout.components).map(move |b| format!("{name}{a}{b}"))).collect()
+            }
+            Indices::TwoAxes => axes.clone().flat_map(|a| axes.clone().map(move |b| format!("{name}{a}{b}"))).collect(),
+            Indices::Species => (0..layout.species).map(|species| format!("{name}{species}")).collect(),
+        }
+    }
+}
+
 /// The layout of the sums of a cell, and of its means.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
@@ -175,17 +246,10 @@ impl Layout {
         self.sums() + 1
     }
 
-    /// Returns the names of the means, in the order of [`Self::means_of`]. Axes are numbered from 1.
+    /// Returns the names of the means, in the order of [`Self::means_of`].
     #[must_use]
     pub fn names(self) -> Vec<String> {
-        let axes = 1..=self.components;
-        let mut names = vec!["solid_fraction".to_owned(), "density".to_owned()];
-        names.extend(axes.clone().map(|a| format!("v{a}")));
-        names.push("temperature".to_owned());
-        names.extend(axes.clone().flat_map(|a| (a..=self.components).map(move |b| format!("kinetic_{a}{b}"))));
-        names.extend(axes.flat_map(|a| (1..=self.components).map(move |b| format!("contact_{a}{b}"))));
-        names.extend((0..self.species).map(|species| format!("share_{species}")));
-        names
+        MEANS.iter().flat_map(|mean| mean.names(self)).collect()
     }
 
     /// Returns the fields of a cell whose sums are, for one sample, `sums`. Fields that are means over grains are NaN in a cell without grains.

@@ -16,7 +16,6 @@
 //! the mean is a times the middle of the cell. Its standard error for n grains is a L/sqrt(12 n), with the cell side L.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
@@ -81,15 +80,6 @@ fn number(coordinate: f64, cell: f64) -> i64 {
 }
 
 impl FlowField {
-    /// Returns the means as rows of `flow.csv`. Writing to a string cannot fail.
-    pub(crate) fn rows(&self) -> String {
-        self.means().iter().fold(String::new(), |mut text, cell| {
-            let FlowMeans { x, y, samples, count, vx, vy } = cell;
-            let _ = writeln!(text, "{x:?},{y:?},{samples},{count:?},{vx:e},{vy:e}");
-            text
-        })
-    }
-
     /// Makes a field without samples, with cells of side `cell`.
     #[must_use]
     pub fn new(cell: f64) -> Self {

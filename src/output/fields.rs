@@ -1,21 +1,8 @@
 //! `fields.csv`: means of the scene's [`fields`](crate::measure::fields), with their standard errors.
 //!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `field` | | number of the field in the scene, from 1 |
-//! | `from_s`, `to_s` | s | times of the first and last sample of the means |
-//! | `samples`, `block_s` | , s | number of samples; time of a block of samples, from whose spread the errors follow |
-//! | `x1_m`, `x2_m`, `x3_m` | m | middle of the cell, empty along an axis that the grid does not resolve |
-//! | `solid_fraction` | | volume of grains over volume; in the plane, areas |
-//! | `density` | kg/m^3 | mass over volume; in the plane kg/m^2 |
-//! | `v1`, ... | m/s | mean velocity |
-//! | `temperature` | m^2/s^2 | granular temperature |
-//! | `kinetic_11`, ... | Pa | kinetic stress, symmetric; in the plane N/m |
-//! | `contact_11`, ... | Pa | contact stress, the force as first index; in the plane N/m |
-//! | `share_0`, ... | | share of each species in the mass, if the scene has several |
-//!
-//! Axes 1, 2, 3 are x, y, z, and on (r, z) grids the radius, the angle and z. Each column of a mean is followed by its standard error with
-//! `_error` at the end of the name. A value is empty where no grain was, an error also below eight blocks.
+//! `CELLS` has the first columns, [`MEANS`](crate::measure::fields::MEANS) those of the means, each followed by its standard error with
+//! `_error` at the end of the name. Axes 1, 2, 3 are x, y, z, and on (r, z) grids the radius, the angle and z.
+//! A value is empty where no grain was, an error also below eight blocks.
 
 use std::fmt::Write as _;
 
@@ -28,11 +15,49 @@ use crate::measure::fields::{Blocks, FieldSampler};
 use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{PersistApp as _, Problem};
-use siloflow_dem::space::Space;
+use siloflow_dem::space::{Dimension, Space};
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::store::register_predictable;
 use siloflow_dem::survey::SurveyParam;
+use siloflow_files::columns::Cell::{Decimal, Empty, Scientific, Whole};
+use siloflow_files::columns::{Cell, Column, Columns};
 use siloflow_files::growing::OutputPlace;
+
+/// The first cells of a row.
+#[derive(Debug)]
+pub(crate) struct CellRow {
+    field: usize,
+    /// s.
+    window: [f64; 2],
+    samples: u64,
+    /// s.
+    block: f64,
+    /// m.
+    place: Vec<Option<f64>>,
+}
+
+const PLACE: &str = "middle of the cell; empty along an axis that the grid does not resolve";
+
+/// The first columns.
+pub(crate) const CELLS: &[Column<CellRow>] = &[
+    Column::new("field", "", "number of the field in the scene, from 1", |row| Whole(row.field as u64)),
+    Column::new("from_s", "s", "times of the first and the last sample", |row| Decimal(row.window[0])),
+    Column::new("to_s", "s", "times of the first and the last sample", |row| Decimal(row.window[1])),
+    Column::new("samples", "", "number of samples", |row| Whole(row.samples)),
+    Column::new(
+        "block_s",
+        "s",
+        "time of a block of samples: the errors are sound if samples so far apart are independent",
+        |row| Decimal(row.block),
+    ),
+    Column::new("x1_m", "m", PLACE, |row| coordinate(row, 0)),
+    Column::new("x2_m", "m", PLACE, |row| coordinate(row, 1)),
+    Column::solid("x3_m", "m", PLACE, |row| coordinate(row, 2)),
+];
+
+fn coordinate(row: &CellRow, axis: usize) -> Cell<'_> {
+    row.place[axis].map_or(Empty, Decimal)
+}
 
 /// A field that is being averaged.
 struct Running<V: Space> {
@@ -46,6 +71,7 @@ struct Running<V: Space> {
 #[derive(Resource)]
 struct Fields<V: Space> {
     file: Rows,
+    columns: Columns<CellRow>,
     running: Vec<Running<V>>,
 }
 
@@ -56,14 +82,14 @@ fn sample<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     let ends = outcome.end().is_some();
-    let Fields { file, running } = &mut *fields;
+    let Fields { file, columns, running } = &mut *fields;
     for field in running {
         if field.averaging.is_due(&clock) {
             field.averaging.count(&clock);
             field.sampler.add(&survey.survey());
         }
         if let Some(done) = field.averaging.complete(&clock, ends) {
-            file.append(format_args!("{}", field.take_rows(done)), &mut outcome);
+            file.append(format_args!("{}", field.take_rows(columns, done)), &mut outcome);
         }
     }
 }
@@ -95,21 +121,18 @@ impl<V: Space> Running<V> {
 
     /// Returns the means as CSV rows and begins a new average. Writing to a string cannot fail.
     #[expect(clippy::cast_precision_loss, reason = "numbers of samples")]
-    fn take_rows(&mut self, Progress { samples, window: [from, to], .. }: Progress) -> String {
+    fn take_rows(&mut self, columns: &Columns<CellRow>, Progress { samples, window, .. }: Progress) -> String {
         let FieldSampler { field, grid, layout, blocks } = &mut self.sampler;
         let blocks = std::mem::replace(blocks, Blocks::new(blocks.len()));
         let block = blocks.block() as f64 * field.sample.get();
-        let number = self.number;
         let mut text = String::new();
         for cell in 0..grid.len() {
-            let _ = write!(text, "{number},{from:?},{to:?},{samples},{block:?}");
-            for place in grid.place(cell) {
-                text.push_str(&place.map_or_else(|| ",".to_owned(), |place| format!(",{place:?}")));
-            }
+            let row = CellRow { field: self.number, window, samples, block, place: grid.place(cell) };
+            let _ = write!(text, "{}", columns.cells(&row));
             let sums = cell * layout.sums()..(cell + 1) * layout.sums();
             for (mean, error) in blocks.estimate(sums, |sums| layout.means_of(sums)) {
                 for number in [Some(mean).filter(|mean| mean.is_finite()), error.filter(|_| mean.is_finite())] {
-                    text.push_str(&number.map_or_else(|| ",".to_owned(), |number| format!(",{number:e}")));
+                    let _ = write!(text, ",{}", number.map_or(Empty, Scientific));
                 }
             }
             text.push('\n');
@@ -127,10 +150,8 @@ impl<V: Space> FieldsPlugin<V> {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(samplers: Vec<FieldSampler<V>>, place: &OutputPlace) -> std::io::Result<Self> {
-        let mut header = "field,from_s,to_s,samples,block_s".to_owned();
-        (1..=V::COMPONENTS).for_each(|axis| {
-            let _ = write!(header, ",x{axis}_m");
-        });
+        let columns = Columns::of(V::DIMENSION == Dimension::Solid, &[CELLS]);
+        let mut header = columns.header();
         for name in samplers.first().iter().flat_map(|sampler| sampler.layout.names()) {
             let _ = write!(header, ",{name},{name}_error");
         }
@@ -139,7 +160,7 @@ impl<V: Space> FieldsPlugin<V> {
             Running { number, sampler, averaging }
         });
         let running = running.collect();
-        Ok(Self(TakenOnce::new(Fields { file: Rows::at(place, &header)?, running })))
+        Ok(Self(TakenOnce::new(Fields { file: Rows::at(place, &header)?, columns, running })))
     }
 }
 

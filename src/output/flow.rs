@@ -4,12 +4,7 @@
 //! to `flow.to`. Grains that are out or lost and fixed particles are not counted. The rows are written at the end of
 //! the run. If the discharge never reaches `flow.from`, the file has only its header.
 //!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `x_m`, `y_m` | m | middle of the cell |
-//! | `samples` | | number of samples of the field, equal in all rows |
-//! | `count` | | mean number of grains per sample |
-//! | `vx_m_per_s`, `vy_m_per_s` | m/s | mean velocity: momentum over mass |
+//! `COLUMNS` has the columns.
 //!
 //! A run of the lattice gas has the same file, with `sample` in steps and its own unit of velocity
 //! ([`lattice_silo::flow`](crate::lattice_silo::flow)).
@@ -32,12 +27,15 @@ use siloflow_dem::particles::Motion;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Plane;
 use siloflow_dem::step::Step;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::{Column, Columns};
+use siloflow_files::flow_means::FlowMeans;
 use siloflow_files::growing::OutputPlace;
 
 /// The particles of one method, as the field of mean velocity counts them.
 pub(crate) trait FlowSource: Send + Sync + 'static {
     /// The columns of the file.
-    const HEADER: &str;
+    const COLUMNS: &'static [Column<FlowMeans>];
     /// Access to the particles.
     type Particles: ReadOnlySystemParam;
 
@@ -59,7 +57,7 @@ pub(crate) struct Progress {
 pub(crate) struct FlowOfGrains;
 
 impl FlowSource for FlowOfGrains {
-    const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_s,vy_m_per_s";
+    const COLUMNS: &[Column<FlowMeans>] = COLUMNS;
     type Particles = (Motion<'static, Plane>, Res<'static, Ledger>);
 
     fn progress((_, ledger): &SystemParamItem<Self::Particles>) -> Progress {
@@ -73,6 +71,24 @@ impl FlowSource for FlowOfGrains {
             field.add(x.x, x.y, motion.mass(grain), v.x, v.y);
         }
     }
+}
+
+const VELOCITY: &str = "mean velocity: momentum over mass";
+
+/// The columns.
+pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
+    Column::new("x_m", "m", "middle of the cell", |row| Decimal(row.x)),
+    Column::new("y_m", "m", "middle of the cell", |row| Decimal(row.y)),
+    Column::new("samples", "", "number of samples of the field, equal in all rows", |row| Whole(row.samples)),
+    Column::new("count", "grains", "mean number of grains per sample", |row| Decimal(row.count)),
+    Column::new("vx_m_per_s", "m/s", VELOCITY, |row| Scientific(row.vx)),
+    Column::new("vy_m_per_s", "m/s", VELOCITY, |row| Scientific(row.vy)),
+];
+
+/// Returns the means of a field as rows.
+fn rows(columns: &'static [Column<FlowMeans>], field: &FlowField) -> String {
+    let columns = Columns::of(false, &[columns]);
+    field.means().iter().map(|means| format!("{}\n", columns.cells(means))).collect()
 }
 
 #[derive(Resource)]
@@ -95,7 +111,7 @@ fn sample<S: FlowSource>(
         field.end_sample();
     }
     if outcome.end().is_some() {
-        file.append(format_args!("{}", field.rows()), &mut outcome);
+        file.append(format_args!("{}", rows(S::COLUMNS, field)), &mut outcome);
     }
 }
 
@@ -113,7 +129,7 @@ impl<S: FlowSource> FlowPlugin<S> {
     /// If the file cannot be written.
     pub(crate) fn create(config: Flow, place: &OutputPlace) -> std::io::Result<Self> {
         let field = FlowField::new(config.cell.get());
-        let file = Rows::at(place, S::HEADER)?;
+        let file = Rows::at(place, &Columns::of(false, &[S::COLUMNS]).header())?;
         let sampler = TakenOnce::new(FlowSampler { config, field, file });
         Ok(Self { config, sampler, source: PhantomData })
     }

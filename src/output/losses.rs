@@ -1,12 +1,6 @@
 //! `losses.csv`: every lost grain, if more than [`IN_SUMMARY`] are lost. The first ones stand in `summary.json` too.
 //!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `grain` | | id of the grain |
-//! | `step`, `time_s` | s | step and simulated time at which the loss was found |
-//! | `x_m`, `y_m`, `z_m` | m | position; z in solid space only |
-//! | `nearest_wall_grain` | | number in the silo file; empty if there is none |
-//! | `way` | | how the grain was lost, in words |
+//! `COLUMNS` has the columns.
 //!
 //! Rows are written together with the rows of `series.csv`. The file is made when the first rows are due, so that a run
 //! without losses has no file.
@@ -24,11 +18,31 @@ use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::persist::Problem;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::step::{Part, Phase, Step};
+use siloflow_files::columns::Cell::{Decimal, Empty, Quoted, Scientific, Whole};
+use siloflow_files::columns::{Cell, Column, Columns};
 use siloflow_files::growing::OutputPlace;
 use siloflow_files::whole_file::remove_if_there;
 
 /// Largest number of lost grains that the summary lists.
 pub const IN_SUMMARY: usize = 100;
+
+/// The columns. The description is quoted, because a behaviour may have written it.
+pub(crate) const COLUMNS: &[Column<LossRecord>] = &[
+    Column::new("grain", "", "id of the grain", |loss| Whole(loss.grain.into())),
+    Column::new("step", "", "step at which the loss was found", |loss| Whole(loss.step)),
+    Column::new("time_s", "s", "simulated time at which the loss was found", |loss| Decimal(loss.time_s)),
+    Column::new("x_m", "m", "position", |loss| coordinate(loss, 0)),
+    Column::new("y_m", "m", "position", |loss| coordinate(loss, 1)),
+    Column::solid("z_m", "m", "position", |loss| coordinate(loss, 2)),
+    Column::new("nearest_wall_grain", "", "number in the silo file; empty if there is none", |loss| {
+        loss.nearest_wall_grain.map_or(Empty, |number| Whole(number.into()))
+    }),
+    Column::new("way", "", "how the grain was lost, in words", |loss| Quoted(&loss.way)),
+];
+
+fn coordinate(loss: &LossRecord, axis: usize) -> Cell<'_> {
+    loss.position_m.get(axis).map_or(Empty, |&x| Scientific(x))
+}
 
 /// The file of lost grains.
 #[derive(Resource)]
@@ -36,7 +50,7 @@ pub(crate) struct LossesFile {
     /// The place at which the file will be made.
     pub(crate) place: OutputPlace,
     rows: Option<Rows>,
-    header: &'static str,
+    columns: Columns<LossRecord>,
 }
 
 impl LossesFile {
@@ -46,7 +60,9 @@ impl LossesFile {
         match length {
             // A file that is not there takes no part: the caller has accepted that, and the next loss begins a new one.
             Some(_) if self.place.path.symlink_metadata().is_err() => Ok(()),
-            Some(length) => self.rows.insert(Rows::at(&self.place, self.header).map_err(failed)?).restore(length),
+            Some(length) => {
+                self.rows.insert(Rows::at(&self.place, &self.columns.header()).map_err(failed)?).restore(length)
+            }
             None => {
                 self.place.record().is_removed();
                 remove_if_there(&self.place.path).map_err(failed)
@@ -60,12 +76,12 @@ fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outc
         return;
     }
     let mut text = String::new();
-    let LossesFile { place, rows, header } = &mut *file;
+    let LossesFile { place, rows, columns } = &mut *file;
     let rows = match rows {
         Some(rows) => rows,
-        None => match Rows::at(&OutputPlace { is_continued: false, ..place.clone() }, header) {
+        None => match Rows::at(&OutputPlace { is_continued: false, ..place.clone() }, &columns.header()) {
             Ok(created) => {
-                ledger.lost[..IN_SUMMARY].iter().for_each(|loss| add(&mut text, loss));
+                ledger.lost[..IN_SUMMARY].iter().for_each(|loss| add(&mut text, columns, loss));
                 rows.insert(created)
             }
             Err(error) => {
@@ -74,18 +90,13 @@ fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outc
             }
         },
     };
-    ledger.take_losses(IN_SUMMARY).iter().for_each(|loss| add(&mut text, loss));
+    ledger.take_losses(IN_SUMMARY).iter().for_each(|loss| add(&mut text, columns, loss));
     rows.append(format_args!("{text}"), &mut outcome);
 }
 
-/// Adds the row of a lost grain. The description is quoted, because a behaviour may have written it.
-fn add(text: &mut String, loss: &LossRecord) {
-    let LossRecord { grain, step, time_s, position_m, way, nearest_wall_grain } = loss;
-    let position = position_m.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",");
-    let nearest = nearest_wall_grain.map_or_else(String::new, |number| number.to_string());
-    let way = way.replace('"', "\"\"");
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "{grain},{step},{time_s:?},{position},{nearest},\"{way}\"");
+/// Adds the row of a lost grain. Writing to a string cannot fail.
+fn add(text: &mut String, columns: &Columns<LossRecord>, loss: &LossRecord) {
+    let _ = writeln!(text, "{}", columns.cells(loss));
 }
 
 /// Writes `losses.csv`.
@@ -98,17 +109,14 @@ pub struct LossesPlugin {
 
 impl Plugin for LossesPlugin {
     fn build(&self, app: &mut App) {
-        let header = match self.space {
-            Dimension::Plane => "grain,step,time_s,x_m,y_m,nearest_wall_grain,way",
-            Dimension::Solid => "grain,step,time_s,x_m,y_m,z_m,nearest_wall_grain,way",
-        };
+        let columns = Columns::of(self.space == Dimension::Solid, &[COLUMNS]);
         // Before all observers, because these read the grain accounting.
         let stage = Part::Engine(Phase::Observe);
         app.persist_sound_part::<LossesFile, _>(
             |file| file.rows.as_ref().map(Rows::saved).transpose(),
             LossesFile::restore,
         );
-        app.insert_resource(LossesFile { place: self.place.clone(), rows: None, header })
+        app.insert_resource(LossesFile { place: self.place.clone(), rows: None, columns })
             .add_systems(Step, write_rows.in_set(stage).after(ClocksRead).run_if(due::<Series>));
     }
 }

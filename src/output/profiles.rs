@@ -1,18 +1,7 @@
-//! `profiles.csv`: means of the scene's [`profiles`](crate::measure::profile). `centres.csv`: the centre of mass of
-//! each species, every `series.interval` seconds.
+//! `profiles.csv`: means of the scene's [`profiles`](crate::measure::profile), with the columns `PROFILES`. `centres.csv`: the centre of mass of
+//! each species, every `series.interval` seconds, with the columns `CENTRES`.
 //!
-//! | column of `profiles.csv` | unit | meaning |
-//! |---|---|---|
-//! | `profile` | | number of the profile in the scene, from 1 |
-//! | `from_s`, `to_s`, `samples` | s | times of the first and last sample of the means, and number of samples |
-//! | `place_m` | m | middle of the bin along the axis |
-//! | `species` | | number of the species, or `all` |
-//! | `count`, `packing_fraction` | | mean number of grains and packing fraction per sample |
-//! | `vx_m_per_s`, ... | m/s | mean velocity |
-//! | `temperature_m2_per_s2` | m^2/s^2 | granular temperature |
-//!
-//! `centres.csv` has `time_s`, `species`, `count`, `mass_kg`, the centre (`x_m`, ...) and its velocity (`vx_m_per_s`,
-//! ...). Along a periodic axis the centre is the mean of the wrapped positions, which has little meaning.
+//! Along a periodic axis the centre is the mean of the wrapped positions, which has little meaning.
 
 use std::fmt::Write as _;
 
@@ -20,18 +9,20 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::measure::averaging::{Averaging, Progress};
-use crate::measure::profile::{Profile, Sampler, SavedSampler};
+use crate::measure::profile::{Means, Profile, Sampler, SavedSampler};
 use crate::measure::{ObserveStage, due};
 use crate::scene::outputs::Series;
-use crate::writers::rows::{Rows, TakenOnce, numbers};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::particle::Species;
 use siloflow_dem::particles::Motion;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::persist::Problem;
-use siloflow_dem::space::Space;
+use siloflow_dem::space::{Dimension, Solid, Space};
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::store::register_predictable;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Text, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_files::growing::OutputPlace;
 
 /// A profile that is being averaged, of one species or of all.
@@ -48,21 +39,79 @@ struct Running<V: Space> {
 #[derive(Resource)]
 struct Profiles<V: Space> {
     file: Rows,
+    columns: Columns<ProfileRow>,
     running: Vec<Running<V>>,
 }
 
 #[derive(Resource)]
 struct Centres {
     file: Rows,
+    columns: Columns<CentreRow>,
     /// Largest species of the scene.
     species: u8,
 }
 
-/// Returns the column names of a vector.
-fn axes<V: Space>(prefix: &str, suffix: &str) -> String {
-    let names = ["x", "y", "z"].into_iter().take(V::COMPONENTS).map(|axis| format!("{prefix}{axis}{suffix}"));
-    names.collect::<Vec<_>>().join(",")
+/// A row of `profiles.csv`.
+#[derive(Debug)]
+pub(crate) struct ProfileRow {
+    profile: usize,
+    /// s.
+    window: [f64; 2],
+    samples: u64,
+    species: Option<Species>,
+    means: Means<Solid>,
 }
+
+const VELOCITY: &str = "mean velocity: momentum over mass";
+
+/// The columns of `profiles.csv`.
+pub(crate) const PROFILES: &[Column<ProfileRow>] = &[
+    Column::new("profile", "", "number of the profile in the scene, from 1", |row| Whole(row.profile as u64)),
+    Column::new("from_s", "s", "times of the first and the last sample", |row| Decimal(row.window[0])),
+    Column::new("to_s", "s", "times of the first and the last sample", |row| Decimal(row.window[1])),
+    Column::new("samples", "", "number of samples", |row| Whole(row.samples)),
+    Column::new("place_m", "m", "middle of the bin along the axis", |row| Decimal(row.means.place)),
+    Column::new("species", "", "number of the species, or `all`", |row| {
+        row.species.map_or(Text("all"), |species| Whole(species.0.into()))
+    }),
+    Column::new("count", "grains", "grains per sample", |row| Decimal(row.means.count)),
+    Column::new("packing_fraction", "", "packing fraction", |row| Decimal(row.means.packing_fraction)),
+    Column::new("vx_m_per_s", "m/s", VELOCITY, |row| Scientific(row.means.velocity.x)),
+    Column::new("vy_m_per_s", "m/s", VELOCITY, |row| Scientific(row.means.velocity.y)),
+    Column::solid("vz_m_per_s", "m/s", VELOCITY, |row| Scientific(row.means.velocity.z)),
+    Column::new("temperature_m2_per_s2", "m^2/s^2", "granular temperature", |row| Scientific(row.means.temperature)),
+];
+
+/// A row of `centres.csv`.
+#[derive(Debug)]
+pub(crate) struct CentreRow {
+    /// s.
+    time: f64,
+    species: u8,
+    count: u32,
+    /// kg.
+    mass: f64,
+    /// m.
+    centre: Solid,
+    /// m/s.
+    velocity: Solid,
+}
+
+/// The columns of `centres.csv`.
+pub(crate) const CENTRES: &[Column<CentreRow>] = &[
+    Column::new("time_s", "s", "simulated time", |row| Decimal(row.time)),
+    Column::new("species", "", "number of the species; a species without grains has no row", |row| {
+        Whole(row.species.into())
+    }),
+    Column::new("count", "grains", "grains that are present", |row| Whole(row.count.into())),
+    Column::new("mass_kg", "kg", "their mass", |row| Scientific(row.mass)),
+    Column::new("x_m", "m", "centre of mass", |row| Scientific(row.centre.x)),
+    Column::new("y_m", "m", "centre of mass", |row| Scientific(row.centre.y)),
+    Column::solid("z_m", "m", "centre of mass", |row| Scientific(row.centre.z)),
+    Column::new("vx_m_per_s", "m/s", VELOCITY, |row| Scientific(row.velocity.x)),
+    Column::new("vy_m_per_s", "m/s", VELOCITY, |row| Scientific(row.velocity.y)),
+    Column::solid("vz_m_per_s", "m/s", VELOCITY, |row| Scientific(row.velocity.z)),
+];
 
 fn sample<V: Space>(
     clock: Res<Clock>,
@@ -71,14 +120,14 @@ fn sample<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     let ends = outcome.end().is_some();
-    let Profiles { file, running } = &mut *profiles;
+    let Profiles { file, columns, running } = &mut *profiles;
     for profile in running {
         if profile.averaging.is_due(&clock) {
             profile.averaging.count(&clock);
             profile.sampler.add(motion.store(), profile.species);
         }
         if let Some(done) = profile.averaging.complete(&clock, ends) {
-            file.append(format_args!("{}", profile.take_rows(done)), &mut outcome);
+            file.append(format_args!("{}", profile.take_rows(columns, done)), &mut outcome);
         }
     }
 }
@@ -107,21 +156,18 @@ impl<V: Space> Running<V> {
     }
 
     /// Returns the means as CSV rows and begins a new average.
-    fn take_rows(&mut self, Progress { samples, window: [from, to], .. }: Progress) -> String {
-        let species = self.species.map_or_else(|| "all".to_owned(), |species| species.0.to_string());
-        let number = self.number;
+    fn take_rows(&mut self, columns: &Columns<ProfileRow>, done: Progress) -> String {
         let mut text = String::new();
-        for bin in self.sampler.take() {
+        for Means { place, count, packing_fraction, velocity, temperature } in self.sampler.take() {
+            let row = ProfileRow {
+                profile: self.number,
+                window: done.window,
+                samples: done.samples,
+                species: self.species,
+                means: Means { place, count, packing_fraction, velocity: velocity.spread(), temperature },
+            };
             // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{number},{from:?},{to:?},{samples},{:?},{species},{:?},{:?},{},{:e}",
-                bin.place,
-                bin.count,
-                bin.packing_fraction,
-                numbers(bin.velocity),
-                bin.temperature
-            );
+            let _ = writeln!(text, "{}", columns.cells(&row));
         }
         text
     }
@@ -145,9 +191,11 @@ fn write_centres<V: Space>(
             momentum += motion.velocity(grain) * motion.mass(grain);
         }
         if count > 0 {
-            let x = numbers(moment / mass);
-            let v = numbers(momentum / mass);
-            centres.file.append(format_args!("{:?},{species},{count},{mass:e},{x},{v}\n", clock.time()), &mut outcome);
+            let centre = (moment / mass).spread();
+            let velocity = (momentum / mass).spread();
+            let row = CentreRow { time: clock.time(), species, count, mass, centre, velocity };
+            let Centres { file, columns, .. } = &mut *centres;
+            file.append(format_args!("{}\n", columns.cells(&row)), &mut outcome);
         }
     }
 }
@@ -169,11 +217,9 @@ impl<V: Space> ProfilesPlugin<V> {
         profiles_place: &OutputPlace,
         centres_place: &OutputPlace,
     ) -> std::io::Result<Self> {
-        let header = format!(
-            "profile,from_s,to_s,samples,place_m,species,count,packing_fraction,{},temperature_m2_per_s2",
-            axes::<V>("v", "_m_per_s")
-        );
-        let file = Rows::at(profiles_place, &header)?;
+        let is_solid = V::DIMENSION == Dimension::Solid;
+        let columns = Columns::of(is_solid, &[PROFILES]);
+        let file = Rows::at(profiles_place, &columns.header())?;
         let all = (species > 0).then_some(None);
         let kinds: Vec<_> = (0..=species).map(|number| Some(Species(number))).chain(all).collect();
         let running = (1..).zip(profiles).flat_map(|(number, &(profile, section))| {
@@ -182,9 +228,10 @@ impl<V: Space> ProfilesPlugin<V> {
             kinds.iter().map(move |&species| Running { number, species, sampler: sampler.clone(), averaging })
         });
         let running = running.collect();
-        let header = format!("time_s,species,count,mass_kg,{},{}", axes::<V>("", "_m"), axes::<V>("v", "_m_per_s"));
-        let centres = Centres { file: Rows::at(centres_place, &header)?, species };
-        Ok(Self(TakenOnce::new((Profiles { file, running }, centres))))
+        let profiles = Profiles { file, columns, running };
+        let columns = Columns::of(is_solid, &[CENTRES]);
+        let centres = Centres { file: Rows::at(centres_place, &columns.header())?, columns, species };
+        Ok(Self(TakenOnce::new((profiles, centres))))
     }
 }
 

@@ -1,21 +1,8 @@
 //! `series.csv`: a row every `series.interval` seconds, and a row at the end of the run. Each row is flushed at once,
-//! so that it survives a crash of the run.
+//! so that it survives a crash of the run. `COLUMNS` and `BALANCE` have the columns.
 //!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `time_s` | s | simulated time |
-//! | `released`, `inside`, `out`, `lost`, `culled` | grains | grain accounting |
-//! | `outflow_per_s` | 1/s | grains out since the previous row, divided by the time since then |
-//! | `out_kg` | kg | mass of the grains out |
-//! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | present energies; potential is 0 at the origin |
-//! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | [`EnergyFlows`] |
-//! | `balance_error_j` | J | present energy less the energy that the flows predict |
-//! | `largest_speed_m_per_s` | m/s | largest speed of a grain |
-//! | `largest_overlap_ratio` | | largest present overlap over the smaller radius of the pair |
-//! | `coordination` | | coordination number: contacts per grain |
-//! | further columns | | those that behaviours [register](crate::measure::outputs) |
-//!
-//! The columns of the flows and of the balance error exist only if the scene tracks the energy balance.
+//! The columns of the energy flows and of the balance error exist only if the scene tracks the energy balance. Further columns are those
+//! that behaviours [register](crate::measure::outputs).
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -33,22 +20,91 @@ use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Space;
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::survey::SurveyParam;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_files::growing::OutputPlace;
 
-/// Returns siloflow's own columns of the file; `tracks_energy` adds those of the energy balance.
-pub(crate) fn header(tracks_energy: bool) -> String {
-    let balance = if tracks_energy { BALANCE_COLUMNS } else { "" };
-    format!(
-        "time_s,released,inside,out,lost,culled,outflow_per_s,out_kg,kinetic_j,rotational_j,potential_j,elastic_j{balance},\
-         largest_speed_m_per_s,largest_overlap_ratio,coordination"
-    )
+/// A row of the file.
+#[derive(Debug)]
+pub(crate) struct SeriesRow {
+    /// s.
+    time: f64,
+    released: u32,
+    inside: u32,
+    out: u32,
+    lost: u32,
+    culled: u32,
+    /// 1/s.
+    outflow: f64,
+    /// kg.
+    out_mass: f64,
+    totals: Totals,
+    flows: EnergyFlows,
 }
 
-const BALANCE_COLUMNS: &str = ",released_j,wall_work_j,lifted_j,added_work_j,dissipated_j,removed_j,balance_error_j";
+const FLOWS: &str = "energy flows since the start; absent without the energy balance";
+const ENERGIES: &str = "energies now; the potential energy is 0 at the origin";
+
+/// The columns up to the energies.
+pub(crate) const COLUMNS: &[Column<SeriesRow>] = &[
+    Column::new("time_s", "s", "simulated time", |row| Decimal(row.time)),
+    Column::new("released", "grains", "grain accounting", |row| Whole(row.released.into())),
+    Column::new("inside", "grains", "grain accounting", |row| Whole(row.inside.into())),
+    Column::new("out", "grains", "grain accounting", |row| Whole(row.out.into())),
+    Column::new("lost", "grains", "grain accounting", |row| Whole(row.lost.into())),
+    Column::new("culled", "grains", "grains removed below the cull line, every 32 steps", |row| {
+        Whole(row.culled.into())
+    }),
+    Column::new("outflow_per_s", "1/s", "grains out since the previous row, over the time since then", |row| {
+        Decimal(row.outflow)
+    }),
+    Column::new("out_kg", "kg", "mass of the grains out", |row| Scientific(row.out_mass)),
+    Column::new("kinetic_j", "J", ENERGIES, |row| Scientific(row.totals.kinetic)),
+    Column::new("rotational_j", "J", ENERGIES, |row| Scientific(row.totals.rotational)),
+    Column::new("potential_j", "J", ENERGIES, |row| Scientific(row.totals.potential)),
+    Column::new("elastic_j", "J", ENERGIES, |row| Scientific(row.totals.elastic)),
+];
+
+/// The columns of the energy balance, which follow.
+pub(crate) const BALANCE: &[Column<SeriesRow>] = &[
+    Column::new("released_j", "J", FLOWS, |row| Scientific(row.flows.released)),
+    Column::new("wall_work_j", "J", FLOWS, |row| Scientific(row.flows.wall_work)),
+    Column::new("lifted_j", "J", FLOWS, |row| Scientific(row.flows.lifted)),
+    Column::new("added_work_j", "J", FLOWS, |row| Scientific(row.flows.added_work)),
+    Column::new("dissipated_j", "J", FLOWS, |row| Scientific(row.flows.dissipated)),
+    Column::new("removed_j", "J", FLOWS, |row| Scientific(row.flows.removed)),
+    Column::new(
+        "balance_error_j",
+        "J",
+        "error of the energy balance: the present energy less the energy that the flows predict; absent like the flows",
+        |row| Scientific(row.totals.energy() - row.flows.expected()),
+    ),
+];
+
+/// The last columns.
+pub(crate) const STATE: &[Column<SeriesRow>] = &[
+    Column::new("largest_speed_m_per_s", "m/s", "largest speed of a grain", |row| Scientific(row.totals.largest_speed)),
+    Column::new("largest_overlap_ratio", "", "largest overlap now, over the smaller radius of the pair", |row| {
+        Scientific(row.totals.largest_overlap_ratio)
+    }),
+    Column::new("coordination", "", "mean number of contacts per grain", |row| Decimal(row.totals.coordination)),
+];
+
+/// Returns siloflow's own columns of the file; `tracks_energy` adds those of the energy balance.
+fn columns(tracks_energy: bool) -> Columns<SeriesRow> {
+    let balance = if tracks_energy { BALANCE } else { &[] };
+    Columns::of(true, &[COLUMNS, balance, STATE])
+}
+
+/// Returns the names of siloflow's own columns; `tracks_energy` adds those of the energy balance.
+pub(crate) fn header(tracks_energy: bool) -> String {
+    columns(tracks_energy).header()
+}
 
 #[derive(Resource)]
 struct SeriesFile {
     rows: Rows,
+    columns: Columns<SeriesRow>,
     /// Time (s) and number of grains out at the previous row.
     last: Option<(f64, u32)>,
 }
@@ -62,33 +118,26 @@ fn write_row<V: Space>(
 ) {
     let time = clock.time();
     let out = ledger.out();
-    let now = Totals::measure(&survey_param.survey(), gravity.0);
+    let totals = Totals::measure(&survey_param.survey(), gravity.0);
     let outflow = match series.last.replace((time, out)) {
         Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),
         _ => 0.0,
     };
-    let balance = flows.map_or_else(String::new, |flows| {
-        let EnergyFlows { released, wall_work, lifted, added_work, dissipated, removed } = *flows;
-        let error = now.energy() - flows.expected();
-        format!(",{released:e},{wall_work:e},{lifted:e},{added_work:e},{dissipated:e},{removed:e},{error:e}")
-    });
+    let row = SeriesRow {
+        time,
+        released: ledger.released,
+        inside: ledger.inside(),
+        out,
+        lost: ledger.lost(),
+        culled: ledger.culled,
+        outflow,
+        out_mass: ledger.departures.mass(),
+        totals,
+        flows: flows.map_or_else(EnergyFlows::default, |flows| *flows),
+    };
     let registered = outputs::cells(registered);
-    let row = format_args!(
-        "{time:?},{},{},{out},{},{},{outflow:?},{:e},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:?}{registered}\n",
-        ledger.released,
-        ledger.inside(),
-        ledger.lost(),
-        ledger.culled,
-        ledger.departures.mass(),
-        now.kinetic,
-        now.rotational,
-        now.potential,
-        now.elastic,
-        now.largest_speed,
-        now.largest_overlap_ratio,
-        now.coordination,
-    );
-    series.rows.append(row, &mut outcome);
+    let SeriesFile { rows, columns, .. } = &mut *series;
+    rows.append(format_args!("{}{registered}\n", columns.cells(&row)), &mut outcome);
 }
 
 /// Writes `series.csv`.
@@ -105,8 +154,9 @@ impl<V: Space> SeriesPlugin<V> {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(config: Series, tracks_energy: bool, world: &World, place: &OutputPlace) -> std::io::Result<Self> {
-        let header = header(tracks_energy) + &outputs::names(world);
-        let file = TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, last: None });
+        let columns = columns(tracks_energy);
+        let header = columns.header() + &outputs::names(world);
+        let file = TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, columns, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }

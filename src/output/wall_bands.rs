@@ -1,14 +1,5 @@
-//! `wall_bands.csv`: means of the scene's [`wall_bands`](crate::measure::wall_bands), pressure and wall friction by height.
-//!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `bands` | | number of the entry in the scene, from 1 |
-//! | `from_s`, `to_s`, `samples` | s | times of the first and last sample of the means, and number of samples |
-//! | `low_m`, `high_m` | m | ends of the bin |
-//! | `area_m2` | m^2 | area of the walls in the bin; in the plane `length_m`, m |
-//! | `contacts` | | contacts per sample |
-//! | `pressure_pa` | Pa | normal force over area; in the plane `pressure_n_per_m`, N/m |
-//! | `downward_traction_pa` | Pa | downward friction on the wall over area; in the plane `downward_traction_n_per_m`, N/m |
+//! `wall_bands.csv`: means of the scene's [`wall_bands`](crate::measure::wall_bands), pressure and wall friction by height. `COLUMNS` has the
+//! columns.
 
 use std::fmt::Write as _;
 
@@ -17,7 +8,7 @@ use bevy_ecs::prelude::*;
 
 use crate::measure::ObserveStage;
 use crate::measure::averaging::{Averaging, Progress};
-use crate::measure::wall_bands::{BandSampler, SavedBands, WallBands};
+use crate::measure::wall_bands::{BandMeans, BandSampler, SavedBands, WallBands};
 use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{PersistApp as _, Problem};
@@ -25,6 +16,8 @@ use siloflow_dem::space::{Dimension, Space};
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::store::register_predictable;
 use siloflow_dem::survey::SurveyParam;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_files::growing::OutputPlace;
 
 /// Bands that are being averaged.
@@ -36,6 +29,7 @@ struct Running {
 #[derive(Resource)]
 struct BandsFile {
     file: Rows,
+    columns: Columns<BandRow>,
     running: Vec<Running>,
 }
 
@@ -52,24 +46,38 @@ impl BandsFile {
     }
 }
 
-/// Returns the means as CSV rows and resets the sums.
-fn take_rows(
-    sampler: &mut BandSampler,
-    number: usize,
-    Progress { samples, window: [from, to], .. }: Progress,
-) -> String {
-    let mut text = String::new();
-    for bin in sampler.take(samples) {
-        let [low, high] = bin.heights;
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{number},{from:?},{to:?},{samples},{low:?},{high:?},{:e},{:?},{:e},{:e}",
-            bin.area, bin.contacts, bin.pressure, bin.downward_traction
-        );
-    }
-    text
+/// A row of the file.
+#[derive(Debug)]
+pub(crate) struct BandRow {
+    bands: usize,
+    /// s.
+    window: [f64; 2],
+    samples: u64,
+    means: BandMeans,
 }
+
+const PRESSURE: &str =
+    "normal force over the area of the walls in the bin, at their places at the start; `NaN` without walls in the bin";
+const PLANAR_PRESSURE: &str = "in the plane: normal force over that length";
+const TRACTION: &str = "downward friction on the wall over that area";
+const PLANAR_TRACTION: &str = "in the plane: downward friction on the wall over that length";
+
+/// The columns.
+pub(crate) const COLUMNS: &[Column<BandRow>] = &[
+    Column::new("bands", "", "number of the entry in the scene, from 1", |row| Whole(row.bands as u64)),
+    Column::new("from_s", "s", "times of the first and the last sample", |row| Decimal(row.window[0])),
+    Column::new("to_s", "s", "times of the first and the last sample", |row| Decimal(row.window[1])),
+    Column::new("samples", "", "number of samples", |row| Whole(row.samples)),
+    Column::new("low_m", "m", "ends of the bin", |row| Decimal(row.means.heights[0])),
+    Column::new("high_m", "m", "ends of the bin", |row| Decimal(row.means.heights[1])),
+    Column::solid("area_m2", "m^2", "area of the walls in the bin", |row| Scientific(row.means.area)),
+    Column::planar("length_m", "m", "in the plane: length of the walls in the bin", |row| Scientific(row.means.area)),
+    Column::new("contacts", "", "contacts per sample", |row| Decimal(row.means.contacts)),
+    Column::solid("pressure_pa", "Pa", PRESSURE, |row| Scientific(row.means.pressure)),
+    Column::planar("pressure_n_per_m", "N/m", PLANAR_PRESSURE, |row| Scientific(row.means.pressure)),
+    Column::solid("downward_traction_pa", "Pa", TRACTION, |row| Scientific(row.means.downward_traction)),
+    Column::planar("downward_traction_n_per_m", "N/m", PLANAR_TRACTION, |row| Scientific(row.means.downward_traction)),
+];
 
 /// Run condition: a sample is due, an average is complete, or the run ends.
 fn has_work(clock: Res<Clock>, bands: Res<BandsFile>, outcome: Res<Outcome>) -> bool {
@@ -83,14 +91,20 @@ fn sample<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     let ends = outcome.end().is_some();
-    let BandsFile { file, running } = &mut *bands;
+    let BandsFile { file, columns, running } = &mut *bands;
     for (number, Running { sampler, averaging }) in (1..).zip(running) {
         if averaging.is_due(&clock) {
             averaging.count(&clock);
             sampler.add(survey.survey());
         }
         if let Some(done) = averaging.complete(&clock, ends) {
-            file.append(format_args!("{}", take_rows(sampler, number, done)), &mut outcome);
+            let mut text = String::new();
+            for means in sampler.take(done.samples) {
+                let row = BandRow { bands: number, window: done.window, samples: done.samples, means };
+                // Writing to a string cannot fail.
+                let _ = writeln!(text, "{}", columns.cells(&row));
+            }
+            file.append(format_args!("{text}"), &mut outcome);
         }
     }
 }
@@ -104,14 +118,12 @@ impl<V: Space> WallBandsPlugin<V> {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(samplers: Vec<BandSampler>, place: &OutputPlace) -> std::io::Result<Self> {
-        let [area, unit] = if V::DIMENSION == Dimension::Solid { ["area_m2", "pa"] } else { ["length_m", "n_per_m"] };
-        let header =
-            format!("bands,from_s,to_s,samples,low_m,high_m,{area},contacts,pressure_{unit},downward_traction_{unit}");
+        let columns = Columns::of(V::DIMENSION == Dimension::Solid, &[COLUMNS]);
         let running = samplers.into_iter().map(|sampler| {
             let WallBands { sample, from, average, .. } = sampler.bands;
             Running { sampler, averaging: Averaging::new(sample, from, average) }
         });
-        let file = BandsFile { file: Rows::at(place, &header)?, running: running.collect() };
+        let file = BandsFile { file: Rows::at(place, &columns.header())?, columns, running: running.collect() };
         Ok(Self(TakenOnce::new(file), std::marker::PhantomData))
     }
 }

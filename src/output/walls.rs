@@ -1,15 +1,8 @@
-//! `walls.csv`: the mean force of the grains on each wall surface, one row per wall every `series.interval` seconds.
-//! `wall_groups.csv`: the same for all walls of one name together, if walls have names.
+//! `walls.csv`: the mean force of the grains on each wall surface, one row per wall every `series.interval` seconds, with the columns `WALL` and
+//! `LOADS`. `wall_groups.csv`: the same for all walls of one name together, if walls have names, with `GROUP` and `LOADS`.
 //!
-//! | column | unit | meaning |
-//! |---|---|---|
-//! | `time_s` | s | simulated time at the end of the interval |
-//! | `wall` | | in `walls.csv`, number of the wall among the scene's `walls`, from 1, not counting discs |
-//! | `walls` | | in `wall_groups.csv`, the name of the walls |
-//! | `fx_n`, `fy_n`, `fz_n` | N | mean force *on the wall*: on a floor under gravity it points down; z in solid space only |
-//! | `tx_nm`, `ty_nm`, `tz_nm` | N m | mean torque of this force about the reference point; in the plane z only |
-//!
-//! A mean is over all steps since the row before; the first row is of time 0 alone. The reference point is the `point` of a
+//! The force is that *on the wall*: on a floor under gravity it points down. A mean is over all steps since the row before; the first row is of
+//! time 0 alone. The reference point of the torque is the `point` of a
 //! half-plane, the `from` of a segment, cylinder or cone, the `corner` of a panel and the `centre` of an annulus or spherical zone, and moves with
 //! the wall; of a group it is the one of its first wall.
 
@@ -19,13 +12,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::{ObserveStage, due};
 use crate::scene::outputs::Series;
-use crate::writers::rows::{Rows, TakenOnce, numbers};
+use crate::writers::rows::{Rows, TakenOnce};
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{PersistApp as _, Problem};
-use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::space::{Dimension, Linear as _, Solid, Space};
 use siloflow_dem::step::{Clock, Part, Phase, Step};
 use siloflow_dem::store::KickAppliedAtEnd;
 use siloflow_dem::walls::surfaces::Surfaces;
+use siloflow_files::columns::Cell::{Decimal, Scientific, Text, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_files::growing::OutputPlace;
 
 /// Sums of force, N, and torque, N m, over steps.
@@ -35,6 +30,50 @@ struct Sums<V: Space> {
     force: V,
     torque: V::Spin,
 }
+
+/// A row of either file.
+#[derive(Debug)]
+pub(crate) struct LoadRow {
+    /// s.
+    time: f64,
+    /// The number of the wall, from 1; in `wall_groups.csv` the number of the group.
+    number: usize,
+    /// The name of the walls; empty in `walls.csv`.
+    name: String,
+    /// N.
+    force: Solid,
+    /// N m.
+    torque: Solid,
+}
+
+const FORCE: &str =
+    "mean force of the grains on the wall, over all steps since the row before; the first row is of time 0 alone";
+const TORQUE: &str =
+    "mean torque of this force about `point`, `from`, `corner` or `centre` of the wall, which moves along";
+
+/// The first columns of `walls.csv`.
+pub(crate) const WALL: &[Column<LoadRow>] = &[
+    Column::new("time_s", "s", "simulated time at the end of the interval", |row| Decimal(row.time)),
+    Column::new("wall", "", "number in the scene, from 1, not counting discs", |row| Whole(row.number as u64)),
+];
+
+/// The first columns of `wall_groups.csv`.
+pub(crate) const GROUP: &[Column<LoadRow>] = &[
+    Column::new("time_s", "s", "simulated time at the end of the interval", |row| Decimal(row.time)),
+    Column::new("walls", "", "name of the walls; the torque is about the point of the first of them", |row| {
+        Text(&row.name)
+    }),
+];
+
+/// The last columns of both files.
+pub(crate) const LOADS: &[Column<LoadRow>] = &[
+    Column::new("fx_n", "N", FORCE, |row| Scientific(row.force.x)),
+    Column::new("fy_n", "N", FORCE, |row| Scientific(row.force.y)),
+    Column::solid("fz_n", "N", FORCE, |row| Scientific(row.force.z)),
+    Column::solid("tx_nm", "N m", TORQUE, |row| Scientific(row.torque.x)),
+    Column::solid("ty_nm", "N m", TORQUE, |row| Scientific(row.torque.y)),
+    Column::new("tz_nm", "N m", TORQUE, |row| Scientific(row.torque.z)),
+];
 
 /// Walls of one name.
 struct Group<V: Space> {
@@ -47,9 +86,11 @@ struct Group<V: Space> {
 #[derive(Resource)]
 struct WallFiles<V: Space> {
     walls: Rows,
+    wall_columns: Columns<LoadRow>,
     sums: Vec<Sums<V>>,
     /// The file of the groups, if there are any.
     groups_file: Option<Rows>,
+    group_columns: Columns<LoadRow>,
     groups: Vec<Group<V>>,
     /// Number of steps in the sums.
     steps: u64,
@@ -99,20 +140,25 @@ fn add_loads<V: Space>(walls: Res<Surfaces<V>>, mut files: ResMut<WallFiles<V>>)
 }
 
 fn write_rows<V: Space>(clock: Res<Clock>, mut files: ResMut<WallFiles<V>>, mut outcome: ResMut<Outcome>) {
-    let WallFiles { walls, sums, groups_file, groups, steps } = &mut *files;
+    let WallFiles { walls, wall_columns, sums, groups_file, group_columns, groups, steps } = &mut *files;
     #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
     let share = 1.0 / *steps as f64;
-    let means = |sums: &mut Sums<V>| {
+    let row = |number: usize, name: &str, sums: &mut Sums<V>| {
         let Sums { force, torque } = std::mem::take(sums);
-        format!("{},{}", numbers(force * share), numbers(torque * share))
+        LoadRow {
+            time: clock.time(),
+            number,
+            name: name.to_owned(),
+            force: (force * share).spread(),
+            torque: (torque * share).spread(),
+        }
     };
     for (number, sums) in (1..).zip(sums) {
-        walls.append(format_args!("{:?},{number},{}\n", clock.time(), means(sums)), &mut outcome);
+        walls.append(format_args!("{}\n", wall_columns.cells(&row(number, "", sums))), &mut outcome);
     }
     if let Some(file) = groups_file {
-        for group in groups {
-            let means = means(&mut group.sums);
-            file.append(format_args!("{:?},{},{means}\n", clock.time(), group.name), &mut outcome);
+        for (number, Group { name, sums, .. }) in (1..).zip(groups) {
+            file.append(format_args!("{}\n", group_columns.cells(&row(number, name, sums))), &mut outcome);
         }
     }
     *steps = 0;
@@ -129,7 +175,8 @@ impl<V: Space> WallForcesPlugin<V> {
     /// If a file cannot be written.
     pub fn create(names: &[Option<&str>], walls: &OutputPlace, groups: &OutputPlace) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
-        let columns = if is_solid { "fx_n,fy_n,fz_n,tx_nm,ty_nm,tz_nm" } else { "fx_n,fy_n,tz_nm" };
+        let wall_columns = Columns::of(is_solid, &[WALL, LOADS]);
+        let group_columns = Columns::of(is_solid, &[GROUP, LOADS]);
         let mut found: Vec<Group<V>> = Vec::new();
         for (number, name) in names.iter().enumerate() {
             let Some(name) = name else { continue };
@@ -140,9 +187,11 @@ impl<V: Space> WallForcesPlugin<V> {
         }
         let has_groups = !found.is_empty();
         Ok(Self(TakenOnce::new(WallFiles {
-            walls: Rows::at(walls, &format!("time_s,wall,{columns}"))?,
+            walls: Rows::at(walls, &wall_columns.header())?,
+            wall_columns,
             sums: vec![Sums::default(); names.len()],
-            groups_file: has_groups.then(|| Rows::at(groups, &format!("time_s,walls,{columns}"))).transpose()?,
+            groups_file: has_groups.then(|| Rows::at(groups, &group_columns.header())).transpose()?,
+            group_columns,
             groups: found,
             steps: 0,
         })))

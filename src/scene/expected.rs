@@ -2,7 +2,7 @@
 //!
 //! | figure | estimate |
 //! |---|---|
-//! | memory | [`BYTES_PER_GRAIN`] for each grain at the start, the most that was measured (docs/explanation/speed.md) |
+//! | memory | [`BYTES_PER_GRAIN`] for each grain at the start, the most that was measured (docs/developers/speed-notebook.md) |
 //! | rows, pictures | the number of intervals in a number of steps, at most one for each step |
 //! | disk | the length of such rows and shapes, times their number |
 

@@ -1,8 +1,7 @@
 //! A CSV file that grows by rows. All rows of a call are written at once, so that they survive a crash of the run. If the
 //! disk is full, the file is cut to its last complete rows.
 //!
-//! A number is written in the shortest form that reads back to the same bits: `{:e}`, or for times, places and means of counts
-//! `{:?}`, which has an exponent only below 1e-5 and from 1e16 on. The time of a row is the product of steps and step (0.3 s may be
+//! Header and rows of a file follow from the list of its [columns](siloflow_files::columns). The time of a row is the product of steps and step (0.3 s may be
 //! `0.30000000000000004`), equal in all files of a run, so that rows of several files can be joined by it.
 
 use std::fmt::{self, Write as _};
@@ -11,7 +10,6 @@ use std::sync::Mutex;
 
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::Problem;
-use siloflow_dem::space::Linear;
 use siloflow_files::growing::{Growing, OutputPlace};
 use siloflow_files::run_files::RunFile;
 
@@ -86,11 +84,6 @@ impl Rows {
         let _ = self.buffer.write_fmt(rows);
         self.file.append(self.buffer.as_bytes())
     }
-}
-
-/// Returns the components of a vector as comma-separated cells of a row.
-pub(crate) fn numbers<V: Linear>(v: V) -> String {
-    (0..V::COUNT).map(|axis| format!("{:e}", v.component(axis))).collect::<Vec<_>>().join(",")
 }
 
 /// A value that a plugin moves into the world. A plugin is built through a shared reference, so the value needs a cell.

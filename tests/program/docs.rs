@@ -34,7 +34,7 @@ fn pages() -> Vec<PathBuf> {
         }
     }
     let mut pages: Vec<_> =
-        ["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].map(|page| crate::root().join(page)).into();
+        ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(|page| crate::root().join(page)).into();
     collect(&crate::root().join("docs"), &mut pages);
     pages.sort();
     pages

@@ -2,6 +2,7 @@
 //! No physics and no ECS.
 
 pub mod binary;
+pub mod columns;
 pub mod disk;
 pub mod flow_means;
 pub mod fnv;

@@ -4,10 +4,35 @@ use std::io;
 
 use bevy_ecs::prelude::*;
 
-use crate::grains::file::SPIN;
+use crate::grains::file::{self, GrainRow};
 use crate::grains::grain_snapshot;
 use siloflow_dem::space::{Dimension, Linear, Solid, Space};
+use siloflow_files::columns::Cell::{Plain, Whole};
+use siloflow_files::columns::{Column, Columns};
 use siloflow_text::fault::Fault;
+
+/// The columns of a grain file. A scene reads them.
+pub(crate) const COLUMNS: &[Column<GrainRow>] = &[
+    Column::new("id", "", "id, unique", |grain| Whole(grain.id.number().into())),
+    Column::new("radius", "m", "radius", |grain| Plain(grain.radius)),
+    Column::new("mass", "kg", "mass", |grain| Plain(grain.mass)),
+    Column::new("x", "m", "centre", |grain| Plain(grain.position.x)),
+    Column::new("y", "m", "centre", |grain| Plain(grain.position.y)),
+    Column::solid("z", "m", "centre", |grain| Plain(grain.position.z)),
+    Column::new("vx", "m/s", "velocity", |grain| Plain(grain.velocity.x)),
+    Column::new("vy", "m/s", "velocity", |grain| Plain(grain.velocity.y)),
+    Column::solid("vz", "m/s", "velocity", |grain| Plain(grain.velocity.z)),
+    Column::new("species", "", "species", |grain| Whole(grain.species.0.into())),
+];
+
+const SPIN: &str = "spin; absent if grains do not spin";
+
+/// The columns of the spin, which follow if grains spin.
+pub(crate) const SPINS: &[Column<GrainRow>] = &[
+    Column::solid("wx", "rad/s", SPIN, |grain| Plain(grain.spin.x)),
+    Column::solid("wy", "rad/s", SPIN, |grain| Plain(grain.spin.y)),
+    Column::new("wz", "rad/s", SPIN, |grain| Plain(grain.spin.z)),
+];
 
 /// Returns the grains of a world as the text of a grain file, in ascending order of ids.
 pub fn write<V: Space>(world: &mut World) -> String {
@@ -22,26 +47,20 @@ pub fn write<V: Space>(world: &mut World) -> String {
 /// # Errors
 /// If `out` cannot be written to.
 pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Result<()> {
-    let spins = grain_snapshot::has_spins::<V>(world);
-    let is_solid = V::DIMENSION == Dimension::Solid;
-    let columns = if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" };
-    let more = match (spins, is_solid) {
-        (false, _) => "",
-        (true, true) => ",wx,wy,wz",
-        (true, false) => ",wz",
-    };
-    writeln!(out, "{columns}{more}")?;
+    let spins = if grain_snapshot::has_spins::<V>(world) { SPINS } else { &[] };
+    let columns = Columns::of(V::DIMENSION == Dimension::Solid, &[COLUMNS, spins]);
+    writeln!(out, "{}", columns.header())?;
     grain_snapshot::take::<V, _>(world, |grain| {
-        write!(out, "{},{},{}", grain.id.number(), grain.radius, grain.mass)?;
-        for number in grain.position.components().into_iter().chain(grain.velocity.components()) {
-            write!(out, ",{number}")?;
-        }
-        write!(out, ",{}", grain.species.0)?;
-        let spin = grain.spin.map_or(Solid::ZERO, Linear::spread);
-        for number in spin.to_array().into_iter().skip(if is_solid { 0 } else { 2 }).filter(|_| spins) {
-            write!(out, ",{number}")?;
-        }
-        writeln!(out)
+        let row = GrainRow {
+            id: grain.id,
+            radius: grain.radius,
+            mass: grain.mass,
+            position: grain.position.spread(),
+            velocity: grain.velocity.spread(),
+            spin: grain.spin.map_or(Solid::ZERO, Linear::spread),
+            species: grain.species,
+        };
+        writeln!(out, "{}", columns.cells(&row))
     })
 }
 
@@ -52,7 +71,7 @@ pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Res
 pub fn without_spin(text: &str) -> Result<(String, usize), Fault> {
     let failed = |error: csv::Error| Fault::new("grain_file::syntax", format!("this is not CSV: {error}"));
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let of_spin: Vec<_> = reader.headers().map_err(failed)?.iter().map(|column| SPIN.contains(&column)).collect();
+    let of_spin: Vec<_> = reader.headers().map_err(failed)?.iter().map(|column| file::SPIN.contains(&column)).collect();
     let is_spin = |column: usize| of_spin.get(column).copied().unwrap_or(false);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut spinning = 0;

@@ -8,10 +8,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::studies::sweep::Sweep;
-use crate::studies::sweep::table::{Cell, csv};
+use crate::studies::sweep::table::{Cell, TextColumn, csv, number};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::short;
 use siloflow_figures::statistics::fit::Fitted;
+use siloflow_figures::statistics::fit::Parameter;
 
 /// Most curves of a panel: the number of colours other than that of the fit.
 const MOST_CURVES: usize = 6;
@@ -111,18 +112,26 @@ pub fn fits(sweep: &Sweep, cells: &[Cell]) -> Vec<GroupFit> {
     groups(sweep, key).into_iter().filter_map(fit).collect()
 }
 
+/// A row of `fit.csv`.
+struct FitRow<'a> {
+    group: &'a str,
+    parameter: &'a Parameter,
+}
+
 /// Returns `fit.csv`; `None` without a fit.
 #[must_use]
 pub fn fit_table(fits: &[GroupFit]) -> Option<Vec<u8>> {
-    let number = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
-    let rows = fits.iter().flat_map(|GroupFit { group, fitted }| {
-        fitted
-            .parameters
-            .iter()
-            .map(|it| vec![group.clone(), it.name.to_owned(), it.value.to_string(), number(it.error)])
-    });
-    let header = ["group", "parameter", "value", "standard_error"].map(str::to_owned).to_vec();
-    (!fits.is_empty()).then(|| csv(header, rows))
+    let mut rows = Vec::new();
+    for GroupFit { group, fitted } in fits {
+        rows.extend(fitted.parameters.iter().map(|parameter| FitRow { group, parameter }));
+    }
+    let columns = [
+        TextColumn::new("group", |row: &FitRow| row.group.to_owned()),
+        TextColumn::new("parameter", |row: &FitRow| row.parameter.name.to_owned()),
+        TextColumn::new("value", |row: &FitRow| row.parameter.value.to_string()),
+        TextColumn::new("standard_error", |row: &FitRow| number(row.parameter.error)),
+    ];
+    (!fits.is_empty()).then(|| csv(&columns, &rows))
 }
 
 /// Returns a fit in words, for example `12.3 (x - 0.045)^1.5; k = 1.62 ± 0.05`.

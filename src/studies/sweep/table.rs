@@ -78,47 +78,78 @@ pub fn cells(sweep: &Sweep, rows: &[Row]) -> Vec<Cell> {
     all
 }
 
+/// A column of a table of a sweep: its name, and its cell in the row of a value.
+pub(super) struct TextColumn<'a, T> {
+    name: String,
+    cell: Box<dyn Fn(&T) -> String + 'a>,
+}
+
+impl<'a, T> TextColumn<'a, T> {
+    /// Makes a column.
+    pub(super) fn new(name: impl Into<String>, cell: impl Fn(&T) -> String + 'a) -> Self {
+        Self { name: name.into(), cell: Box::new(cell) }
+    }
+}
+
+/// Returns the columns of the keys, with the values of the point of a row.
+fn keys<'a, T: 'a>(sweep: &'a Sweep, point: fn(&T) -> usize) -> impl Iterator<Item = TextColumn<'a, T>> {
+    sweep
+        .keys
+        .iter()
+        .enumerate()
+        .map(move |(place, key)| TextColumn::new(key, move |row| sweep.points[point(row)].values[place].clone()))
+}
+
+/// Returns a number as text, and nothing where there is none.
+pub(super) fn number(x: Option<f64>) -> String {
+    x.map_or_else(String::new, |x| x.to_string())
+}
+
 /// Returns `results.csv`.
 #[must_use]
 pub fn results(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
-    let start = ["run", "point", "seed"].map(str::to_owned).into_iter().chain(sweep.keys.iter().cloned());
-    let header = start.chain(["status", "failure"].map(str::to_owned)).chain(sweep.plan.figures.iter().cloned());
-    let rows = rows.iter().map(|row| {
-        let Task { point, seed } = row.task;
-        let own = [sweep.run_name(row.task), (point + 1).to_string(), seed.to_string()];
-        let values = own.into_iter().chain(sweep.points[point].values.iter().cloned());
-        let end = [row.status.clone(), row.failure.clone()];
-        values.chain(end).chain(row.figures.iter().cloned().map(Option::unwrap_or_default)).collect()
-    });
-    csv(header.collect(), rows)
+    let mut columns = vec![
+        TextColumn::new("run", |row: &Row| sweep.run_name(row.task)),
+        TextColumn::new("point", |row: &Row| (row.task.point + 1).to_string()),
+        TextColumn::new("seed", |row: &Row| row.task.seed.to_string()),
+    ];
+    columns.extend(keys(sweep, |row: &Row| row.task.point));
+    columns.push(TextColumn::new("status", |row: &Row| row.status.clone()));
+    columns.push(TextColumn::new("failure", |row: &Row| row.failure.clone()));
+    columns.extend(sweep.plan.figures.iter().enumerate().map(|(place, figure)| {
+        TextColumn::new(figure, move |row: &Row| row.figures[place].clone().unwrap_or_default())
+    }));
+    csv(&columns, rows)
 }
 
 /// Returns `table.csv`.
 #[must_use]
 pub fn table(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
-    let start = ["point".to_owned()].into_iter().chain(sweep.keys.iter().cloned());
-    let header = start
-        .chain(["figure", "mean", "standard_error", "n", "clogged", "failed", "missing"].map(str::to_owned))
-        .collect();
-    let number = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
-    let rows = cells(sweep, rows).into_iter().map(|cell| {
-        let of_point = || rows.iter().filter(|row| row.task.point == cell.point);
-        let clogged = of_point().filter(|row| row.status == "clogged").count();
-        let failed = of_point().filter(|row| row.is_failure()).count();
-        let missing = of_point().filter(|row| row.is_missing()).count();
-        let own = [(cell.point + 1).to_string()].into_iter().chain(sweep.points[cell.point].values.iter().cloned());
-        let mean = [sweep.plan.figures[cell.figure].clone(), number(cell.mean), number(cell.error)];
-        own.chain(mean).chain([cell.count, clogged, failed, missing].map(|count| count.to_string())).collect()
-    });
-    csv(header, rows)
+    let count = |cell: &Cell, is_counted: fn(&Row) -> bool| {
+        let of_point = rows.iter().filter(|row| row.task.point == cell.point);
+        of_point.filter(|row| is_counted(row)).count().to_string()
+    };
+    let mut columns = vec![TextColumn::new("point", |cell: &Cell| (cell.point + 1).to_string())];
+    columns.extend(keys(sweep, |cell: &Cell| cell.point));
+    columns.extend([
+        TextColumn::new("figure", |cell: &Cell| sweep.plan.figures[cell.figure].clone()),
+        TextColumn::new("mean", |cell: &Cell| number(cell.mean)),
+        TextColumn::new("standard_error", |cell: &Cell| number(cell.error)),
+        TextColumn::new("n", |cell: &Cell| cell.count.to_string()),
+        TextColumn::new("clogged", |cell: &Cell| count(cell, |row| row.status == "clogged")),
+        TextColumn::new("failed", |cell: &Cell| count(cell, Row::is_failure)),
+        TextColumn::new("missing", |cell: &Cell| count(cell, Row::is_missing)),
+    ]);
+    csv(&columns, &cells(sweep, rows))
 }
 
 /// Returns a CSV file.
-pub(super) fn csv(header: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
+pub(super) fn csv<T>(columns: &[TextColumn<'_, T>], rows: &[T]) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in std::iter::once(header).chain(rows) {
-        // Writing to memory cannot fail, and all rows have the same length.
-        let _ = writer.write_record(row);
+    // Writing to memory cannot fail, and all rows have the same length.
+    let _ = writer.write_record(columns.iter().map(|column| &column.name));
+    for row in rows {
+        let _ = writer.write_record(columns.iter().map(|column| (column.cell)(row)));
     }
     writer.into_inner().unwrap_or_default()
 }

@@ -28,7 +28,7 @@ const FEW: usize = 16;
 const ROUNDING: f64 = 1e-9;
 
 /// Classes cost less than one grid if its cells hold more particles than a dense packing of equal grains by this factor. Measured:
-/// docs/explanation/speed.md.
+/// docs/developers/speed-notebook.md.
 const WORTHWHILE: f64 = 8.0;
 
 /// Returns whether the sizes of a scene call for classes.
