@@ -136,7 +136,7 @@ pub(super) fn choose<V: Space>(
 /// Notes how much contacts have changed in this step.
 pub(super) fn note_contacts<V: Space>(
     sampling: Res<Sampling>,
-    (store, history): (Res<ParticleStore<V>>, Option<Res<History<V>>>),
+    (store, history): (Res<ParticleStore<V>>, Option<Res<History>>),
     mut activity: ResMut<Activity>,
 ) {
     if sampling.block(store.movable_end) == 1 {

@@ -133,7 +133,7 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
 pub(super) fn add_friction_loss<V: Space>(
     (clock, activity): (Res<Clock>, Res<Activity>),
     store: Res<ParticleStore<V>>,
-    history: Res<History<V>>,
+    history: Res<History>,
     mut flows: ResMut<EnergyFlows>,
     mut channels: ResMut<Channels>,
     mut last: ResMut<TurningPowers>,
