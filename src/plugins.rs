@@ -152,7 +152,7 @@ pub(crate) fn add_all<V: Engine>(
     add_behaviours(app, behaviours);
     app.add_with("behaviours", |app| {
         // A behaviour that replaces the contact law may add a force of its own without contacts.
-        if own_contacts && !app.world().contains_resource::<History<V>>() {
+        if own_contacts && !app.world().contains_resource::<History>() {
             app.add_systems(Step, clear_forces::<V>.in_set(ForceStage::Contacts));
         }
     });

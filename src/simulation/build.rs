@@ -162,7 +162,7 @@ fn add_plugins<V: Engine>(
     let movers = loaded.movers_of(&surfaces);
     assembly.provide(Surfaces::new(surfaces, largest).with_movers(movers));
     assembly.provide(LeavingWalls::default());
-    if !loaded.contacts_at_start.is_empty() {
+    if !loaded.contacts_at_start.rows.is_empty() {
         assembly.provide(ContactsAtStart(loaded.contacts_at_start.clone()));
     }
     assembly.add_with("walls", |app| {

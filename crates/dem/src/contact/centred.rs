@@ -1,35 +1,36 @@
 //! Averaged forces of contacts near an event: damping and friction of second order in the step, with one evaluation of the
 //! forces.
 //!
-//! Velocity Verlet evaluates forces at x(t+dt) with the velocities v_h of t+dt/2. With drag this is only of first
-//! order, for two reasons: the drag uses a velocity half a step old, and it jumps when a contact opens or closes inside
+//! Velocity Verlet evaluates forces at x(t+dt) with the velocities v_h of t+dt/2. With dashpots this is only of first
+//! order, for two reasons: the dashpot force uses a velocity half a step old, and it jumps when a contact opens or closes inside
 //! a step. Predicted velocities correct the first for all contacts ([`crate::integrate::centred`]). The forces of this
 //! module correct the second. They are for contacts near an event:
 //!
-//! * the overlap is less than [`even_from`](crate::contact::PairLaw::even_from) half-widths w of the step, so that
-//!   the contact may open or close;
+//! * the overlap is less than [`overlap_without_events`](crate::contact::law::PairLaw::overlap_without_events) half-widths w of the step,
+//!   so that the contact may open or close;
 //! * with friction, the normal force may change its sign within the step, so that the cap is zero there;
-//! * a grain of the contact is lone: at no count of contacts, one in eight steps, has it had a second contact since it was last
-//!   without any. Then all that changes the velocity of the grain is known, and the error is three to ten times smaller.
+//! * a grain of the contact is lone: since it was last without any contact, no count of its contacts (one in eight steps) has found a
+//!   second one. All forces that change the velocity of a lone grain are known, so that averaging makes the error three to ten times
+//!   smaller.
 //!
 //! In a dense bed these are a few contacts in a hundred. Below, h = dt/2, u is the closing speed (along the normal,
 //! positive when approaching) and delta the overlap:
 //!
 //! * **Share.** The evaluation at t+dt represents the step centred on it. In that step the overlap changes from
 //!   delta - w to delta + w, w = h |u_h|. The contact exists in the share theta = clamp((delta + w)/(2 w), 0, 1) of
-//!   that step, and the drag is multiplied by theta. So it also acts across a gap of up to w. A coefficient that varies
+//!   that step, and the dashpot force is multiplied by theta. So it also acts across a gap of up to w. A coefficient that varies
 //!   with the overlap is replaced by its mean. Gaps of more than 1.25 h times the predicted speed get no force.
-//! * **Centred velocity.** The drag uses u at t+dt, solved for implicitly in the pair's own drag. All other forces are
+//! * **Centred velocity.** The dashpot force uses u at t+dt, solved for implicitly in the pair's own dashpot force. All other forces are
 //!   lagged by a step: u = (u_h + h A_t + h D_t/m + h (F_t - F_s)/m')/(1 + h theta c/m). A_t is the closing
-//!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and drag in that
+//!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and dashpot force in that
 //!   step. They are not stored but computed again from delta_t = delta - dt u_h and u_t = u_h - h A_t. F_s is the
 //!   spring force now. The change of the spring force counts only for lone grains: 1/m' is the
 //!   sum of 1/m_i over these grains. In a dense packing, other neighbours cancel the force of one neighbour, and a
 //!   light grain between heavy ones would get too large a correction.
-//! * **Spring.** The spring force k max(delta, 0) is unchanged. Without drag and friction the scheme is velocity Verlet
+//! * **Spring.** The spring force k max(delta, 0) is unchanged. Without dashpots and friction the scheme is velocity Verlet
 //!   to the last bit, and symplectic.
 //! * **Friction** ([`Slider::pull_centred`](super::spring::Slider::pull_centred)). The tangential spring accumulates
-//!   v_h from the moment of contact on, not during the whole first step. If the dashpot exceeds the cap at that moment,
+//!   v_h from the moment of contact on, not during the whole first step. If the dashpot force exceeds the cap at that moment,
 //!   the spring is set there as in any slip. The same is done where the normal force changes sign, with a cap of zero.
 //!   The dashpot uses the velocity at t+dt, solved for as along the normal, with 1/m_t = 1/m + l_i^2/I_i + l_j^2/I_j.
 //!   Spring and dashpot are averaged over the step, and the force is capped with the averaged normal force. A contact that
@@ -40,71 +41,27 @@
 //!
 //! Stability of a single linear contact, in the normal and in the tangential direction: w0 dt < min(2, 1/zeta). The
 //! motion has det = (1 - h c/m)/(1 + h c/m) and trace = (2 - (w0 dt)^2)/(1 + h c/m), and an error of F_t is multiplied
-//! by -h c/m in each step. Velocity Verlet with lagged drag has a lower limit at every zeta. With several contacts the
+//! by -h c/m in each step. Velocity Verlet with a lagged dashpot velocity has a lower limit at every zeta. With several contacts the
 //! order is reversed (module `scene::check::crowd` of `siloflow`). `tests/physics/schemes.rs` compares these limits with simulations.
 //!
 //! Limits:
 //!
 //! * Contacts with a wall that a behaviour accelerates are of first order: fixed particles have no velocity prediction,
-//!   so the drag misses the velocity that the wall gains in half a step.
-//! * If the force of a new contact makes another contact stick while its dashpot slips, that other contact keeps the spring of
-//!   an evaluation up to half a step from this moment. The spring grows at another rate in slip than in stick, so its error
-//!   is of first order. It would take the moment at which the other contact opens, which no pair knows of another.
+//!   so the dashpot misses the velocity that the wall gains in half a step.
+//! * The force of a new contact may make another contact of the same grain stick while the dashpot of that other contact slips. The law
+//!   of the other contact does not know at which moment of the step the new contact opened, and sets its spring at the evaluation, up to
+//!   half a step later. A spring grows at another rate in slip than in stick, so that its error is of first order.
 //! * With strong damping (e = 0.2) the normal force of Hertz's law has order 1.5 from t_c/20 to t_c/80, and 1.9 from t_c/320
 //!   on, with and without friction.
 //! * The energy balance is of second order.
 //! * theta uses u_h. So grazing contacts, with a normal that turns within a step, are of second order with a larger
 //!   constant.
 //!
-//! Sources: the averaged drag is exact for a linear dashpot. The implicit drag is the trapezoidal rule. Their
+//! Sources: the averaged dashpot force is exact for a linear dashpot. The implicit dashpot force is the trapezoidal rule. Their
 //! combination with lagged forces of other contacts was developed for this project.
 
-use crate::contact::Pair;
-use crate::space::{Linear, Plane, Space};
-
-/// Velocity prediction of a pair: velocity gains until the end of the step if the forces at its beginning persist. Seen
-/// from the side of i.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct VelocityPrediction<V: Space = Plane> {
-    /// dt/2 (a_i - a_j), m/s.
-    pub velocity: V,
-    /// dt/2 times the angular accelerations of i and j, rad/s.
-    pub spins: [V::Spin; 2],
-    /// 1/m of i and j, 1/kg: 0 for a fixed particle or wall.
-    pub inverse_masses: [f64; 2],
-    /// 1/I of i and j, 1/(kg m^2): 0 for a fixed particle or wall.
-    pub inverse_inertias: [f64; 2],
-    /// For i and for j: 1 if it is lone, else 0.
-    pub only_contact: [f64; 2],
-}
-
-impl<V: Space> VelocityPrediction<V> {
-    /// Returns the change of the closing speed per momentum transferred along the normal, 1/kg, summed only over lone grains.
-    #[inline(always)]
-    pub(super) fn lone_mobility(&self) -> f64 {
-        self.only_contact[0] * self.inverse_masses[0] + self.only_contact[1] * self.inverse_masses[1]
-    }
-}
-
-impl<V: Space> Pair<V> {
-    /// Returns the pair with the velocities predicted for the end of the step.
-    #[inline(always)]
-    #[must_use]
-    pub fn predicted(&self) -> Self {
-        let mut pair = *self;
-        pair.relative_velocity += self.ahead.velocity;
-        pair.spins[0] += self.ahead.spins[0];
-        pair.spins[1] += self.ahead.spins[1];
-        pair
-    }
-
-    /// Returns the pair with another overlap, m; a negative `overlap` is replaced by 0.
-    #[inline(always)]
-    #[must_use]
-    pub fn at_overlap(&self, overlap: f64) -> Self {
-        Self { overlap: overlap.max(0.0), ..*self }
-    }
-}
+use crate::contact::pair::Pair;
+use crate::space::{Linear, Space};
 
 /// The step centred on an evaluation, along the normal.
 #[derive(Clone, Copy, Debug)]
@@ -154,7 +111,7 @@ pub(super) fn cut<V: Linear>(a: V, cap: f64) -> (bool, V) {
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
-    use crate::contact::tests::pair;
+    use crate::contact::pair::tests::pair;
     use crate::space::Vector;
 
     fn window(speed: f64) -> Window {

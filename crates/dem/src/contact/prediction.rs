@@ -1,6 +1,6 @@
 //! Velocities of single contacts in the middle of the step and at its end, from the gains in the store.
 
-use crate::contact::{Gathered, Pair};
+use crate::contact::pair::{Gathered, Pair};
 use crate::neighbours::list::Candidate;
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;

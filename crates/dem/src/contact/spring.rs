@@ -27,7 +27,7 @@ pub struct Slider {
     /// k, N/m.
     pub stiffness: f64,
     /// c, N s/m.
-    pub drag: f64,
+    pub dashpot: f64,
     /// Largest force, N.
     pub cap: f64,
 }
@@ -38,7 +38,7 @@ pub struct SliderForce<V> {
     /// F, N.
     pub force: V,
     /// The part -c v, N.
-    pub drag: V,
+    pub dashpot: V,
     /// Energy lost other than in the dashpot, J.
     pub lost: f64,
     /// Whether the force is at its cap.
@@ -61,7 +61,7 @@ impl Slider {
         let moved = before + gathered * dt;
         let mut after = moved - normal * moved.dot(normal);
         // The force beside that of the stored spring, which is ahead: -k (S - v lead) - c v = -k S + (k lead - c) v.
-        let beside = velocity * (self.stiffness * lead - self.drag);
+        let beside = velocity * (self.stiffness * lead - self.dashpot);
         let (is_sliding, force) = cut(after * -self.stiffness + beside, self.cap);
         if is_sliding {
             after = (force - beside) * (-1.0 / self.stiffness);
@@ -70,7 +70,7 @@ impl Slider {
         // A lead of zero is known to the compiler. In step zero a spring only gets ahead.
         let both_ahead = if lead > 0.0 { velocity * (lead + lead.min(dt - lead)) } else { V::ZERO };
         let lost = 0.5 * self.stiffness * (before + after - both_ahead).dot(moved - after);
-        SliderForce { force, drag: velocity * -self.drag, lost, is_sliding }
+        SliderForce { force, dashpot: velocity * -self.dashpot, lost, is_sliding }
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use crate::space::Solid;
 
-    const SLIDER: Slider = Slider { stiffness: 1e4, drag: 3.0, cap: 2.0 };
+    const SLIDER: Slider = Slider { stiffness: 1e4, dashpot: 3.0, cap: 2.0 };
 
     #[test]
     fn slider_sticks_below_the_cap_and_slides_at_it() {
@@ -119,7 +119,7 @@ mod tests {
             let angle = 0.02 * f64::from(step);
             let velocity = Solid::new(0.6 * angle.sin(), 0.2 * (2.0 * angle).cos(), 0.0);
             let pull = SLIDER.pull(&mut spring, [velocity; 2], Solid::Z, [dt, 0.0]);
-            let elastic = pull.force - pull.drag;
+            let elastic = pull.force - pull.dashpot;
             taken -= 0.5 * dt * (before + elastic).dot(velocity);
             before = elastic;
             lost += pull.lost;

@@ -90,15 +90,16 @@ impl<V: Space> Batch<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::needs::{Class, MemoryParts};
+    use crate::contact::memory::{MemoryLayout, MemoryVariable, Parity};
+    use crate::contact::needs::TorqueClass;
     use crate::space::{Plane, Solid};
     use crate::store::Body;
 
     /// A law without memory that needs sums, and one with memory that needs the numbers of each body.
     const PLAIN: Needs =
-        Needs { class: Class::Forces, memory: None, bodies: BodyNumbers::Sums, species: false, reaches: false };
+        Needs { torques: TorqueClass::None, memory: None, bodies: BodyNumbers::Sums, species: false, reaches: false };
     const WITH_MEMORY: Needs = Needs {
-        memory: Some(MemoryParts { spring: true, rolling: false, twist: false, stiffness: false }),
+        memory: Some(MemoryLayout::new::<Plane>(&[MemoryVariable::vector("spring", Parity::Odd)], false)),
         bodies: BodyNumbers::EachWithRadii,
         ..PLAIN
     };
