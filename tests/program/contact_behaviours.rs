@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use siloflow::dem::contact::AnyLaw;
+use siloflow::dem::contact::centred::velocity_prediction::VelocityPredictionPlugin;
 use siloflow::dem::contact::composite::Composite;
 use siloflow::dem::contact::damping::{Attraction as Pull, Damping};
 use siloflow::dem::contact::linear::LinearNormal;
 use siloflow::dem::contact::rolling::NoRolling;
 use siloflow::dem::contact::tangential::NoFriction;
-use siloflow::dem::integrate::centred::VelocityPredictionPlugin;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use bevy_app::App;
 
+use crate::contact::centred::velocity_prediction::VelocityPredictionPlugin;
 use crate::contact::law::{LawRequirements, PairLaw};
 use crate::contact::plugin::ContactPlugin;
 use crate::contact::selection::{Contacts, LawReceiver};
 use crate::integrate::IntegratorPlugin;
-use crate::integrate::centred::VelocityPredictionPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::integrate::wrap::PeriodicPlugin;
 use crate::neighbours::NeighboursPlugin;

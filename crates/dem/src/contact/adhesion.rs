@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::law::Bounce;
 use crate::contact::pair::{Pair, VelocityPrediction};
@@ -205,7 +205,7 @@ fn head_on(bounce: &Bounce, overlap: f64, closing: f64) -> Pair {
         spins: [0.0; 2],
         species: [Species(0); 2],
         dt: 0.0,
-        lead: 0.0,
+        springs_ahead: 0.0,
         gathered: None,
         ahead: VelocityPrediction::default(),
     }

@@ -6,7 +6,7 @@
 //!
 //! Source: Remmers, "The grain silo", 2009. The force "that i exerts on j" in that text is the force on i.
 
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::damping::Attraction;
 use crate::contact::law::{Bounce, LawRequirements, PairLaw};
 use crate::contact::memory::Memory;

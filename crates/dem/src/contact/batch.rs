@@ -24,7 +24,7 @@ use crate::contact::law::{LawComputation, LawRequirements, PairLaw};
 use crate::contact::memory::Memory;
 use crate::contact::pair::{MemoryTimes, Pair, VelocityPrediction};
 use crate::contact::pair_force::PairForce;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
 use crate::space::{Linear, Space};
@@ -109,7 +109,7 @@ impl<V: Space> Batch<V> {
     /// Returns the contact in a lane as the input of the law.
     #[inline(always)]
     pub fn pair<L: LawRequirements>(&self, lane: usize, times: MemoryTimes) -> Pair<V> {
-        let MemoryTimes { dt, lead } = times;
+        let MemoryTimes { dt, springs_ahead } = times;
         let mut pair = Pair {
             normal: self.bodies.normal.get(lane),
             overlap: self.bodies.overlap[lane],
@@ -121,7 +121,7 @@ impl<V: Space> Batch<V> {
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
-            lead,
+            springs_ahead,
             gathered: None,
             ahead: VelocityPrediction::default(),
         };
@@ -141,7 +141,7 @@ impl<V: Space> Batch<V> {
     /// Takes the marks of the pairs into [`Self::lone`]. `unmark` removes the marks from the pairs. Only contact histories compare pairs, so
     /// marks may stay where there is no memory.
     #[inline]
-    pub fn take_marks(&mut self, unmark: bool, instructions: Instructions) {
+    pub fn take_marks(&mut self, unmark: bool, instructions: InstructionSet) {
         let pairs = &mut self.pairs;
         let marks = instructions.run(
             #[inline(always)]
@@ -194,10 +194,10 @@ impl<V: Space> Batch<V> {
         let Call { times, deepest, event_time, .. } = *call;
         let mut deeper = 0;
         let mut near_events = 0;
-        // So the compiler can tell whether the lead is zero: plain contacts do not pay for centred ones, and the loop of
-        // centred ones has no branch on the lead.
-        let lead = if CENTRED && !GATHERED { times.lead.max(f64::MIN_POSITIVE) } else { 0.0 };
-        let times = MemoryTimes { lead, ..times };
+        // So the compiler can tell whether this time is zero: plain contacts do not pay for centred ones, and the loop of
+        // centred ones has no branch on it.
+        let springs_ahead = if CENTRED && !GATHERED { times.springs_ahead.max(f64::MIN_POSITIVE) } else { 0.0 };
+        let times = MemoryTimes { springs_ahead, ..times };
         if L::SPIN {
             self.spins.spread(self.lanes());
         }
@@ -282,7 +282,7 @@ pub struct Call {
     /// The times of memories.
     pub times: MemoryTimes,
     /// Instruction set of the loop over the lanes.
-    pub instructions: Instructions,
+    pub instructions: InstructionSet,
     /// Overlap, divided by the sum of the radii, beyond which contacts are counted.
     pub deepest: f64,
     /// Time whose product with the normal speed is the overlap from which a contact has no event within the step, s.
@@ -368,24 +368,24 @@ mod tests {
             spins: [V::narrow_spin(Solid::new(part, 1.0 - part, 3.0 * part)), V::Spin::ZERO],
             species: [Species(0), Species(1)],
             dt: 1e-5,
-            lead: 0.0,
+            springs_ahead: 0.0,
             gathered: None,
             ahead: VelocityPrediction {
                 velocity: along(0.0, -1e-4, 2e-4),
                 spins: [V::narrow_spin(Solid::new(0.1 * part, 0.2, 0.3)), V::Spin::ZERO],
                 inverse_masses: [1.0 / (0.1 + part), 0.0],
                 inverse_inertias: [40.0, 0.0],
-                only_contact: [f64::from(number % 3 / 2), 0.0],
+                lone: [f64::from(number % 3 / 2), 0.0],
             },
         }
     }
 
-    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, lead: 0.0 };
+    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, springs_ahead: 0.0 };
 
     fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L, species: fn(u32) -> u8) {
         let contacts = 33;
         let on_wall = |number: u32| Pair { species: [Species(species(number)), Species(1)], ..on_wall(number) };
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             let mut batch = Batch::<V>::default();
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
@@ -417,7 +417,7 @@ mod tests {
 
     /// Marks three of eight pairs, one of them beyond the end of a batch of seven. Checks the bits and the pairs.
     fn check_marks(unmark: bool) {
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             let mut batch = Batch::<Plane> { len: 7, ..Batch::default() };
             for (lane, number) in (0..8).enumerate() {
                 batch.pairs[lane] = Candidate::new(number, 9).with_mark(u8::from([1, 6, 7].contains(&number)));

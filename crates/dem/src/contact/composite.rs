@@ -3,7 +3,8 @@
 //! The terms are types, so that the loop over contacts is compiled for each combination of terms. An unused term
 //! ([`NoFriction`](super::tangential::NoFriction), [`NoRolling`](super::rolling::NoRolling)) costs no run time.
 
-use crate::contact::centred::Window;
+use crate::contact::centred::normal_load::{NormalLoad, Unloading};
+use crate::contact::centred::window::Window;
 use crate::contact::lanes::larger;
 use crate::contact::law::{Bounce, LawRequirements, PairLaw};
 use crate::contact::memory::{Memory, MemoryVariable};
@@ -11,7 +12,7 @@ use crate::contact::pair::{Pair, VelocityPrediction};
 use crate::contact::pair_force::PairForce;
 use crate::contact::rolling::Rolling;
 use crate::contact::spring_memory::{ROLLING, SPRING, STIFFNESS, SpringMemory, TWIST};
-use crate::contact::tangential::{NormalLoad, Tangential, Unloading};
+use crate::contact::tangential::Tangential;
 use crate::space::Space;
 
 /// A force along the normal: (max(spring - c v_n, floor) - pull) n.

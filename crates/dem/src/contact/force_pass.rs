@@ -34,7 +34,7 @@ use crate::contact::force_accumulation::{AccumulatorSlice, ForceAccumulation};
 use crate::contact::history::History;
 use crate::contact::law::LawRequirements;
 use crate::contact::needs::{FrictionTorques, Needs, NoTorques, RollingTorques, TorqueClass};
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::{BLOCK, Candidate, PairList};
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
@@ -65,7 +65,7 @@ pub struct ForcePass<'a, V: Space> {
     /// Acceleration of gravity, m/s^2.
     pub gravity: V,
     /// Instruction set of the lane loops.
-    pub instructions: Instructions,
+    pub instructions: InstructionSet,
 }
 
 impl<V: Space> ForcePass<'_, V> {

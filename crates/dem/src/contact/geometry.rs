@@ -135,13 +135,13 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, [i, j]: [usize; 2], separation: V
         spins: [store.spin(i), store.spin(j)],
         species: [store.species[i], store.species[j]],
         dt,
-        lead: store.spring_lead(),
+        springs_ahead: store.springs_ahead(),
         gathered: None,
         ahead: VelocityPrediction::default(),
     }
 }
 
-/// Returns the speed along the normal at which the movable particle in slot `i` and a wall approach or part, m/s. Not inlined:
+/// Returns the speed along the normal at which the free particle in slot `i` and a wall approach or part, m/s. Not inlined:
 /// grains that touch the wall do not need it, and the loop over the walls of a grain is shorter without it.
 #[inline(never)]
 fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, normal: V, distance: f64) -> f64 {
@@ -149,7 +149,7 @@ fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWal
     (store.middle_velocity(i) - of_wall).dot(normal).abs()
 }
 
-/// Returns the nearest point of a wall to the movable particle in slot `i`, if they touch within the time `ahead`, s, or are within
+/// Returns the nearest point of a wall to the free particle in slot `i`, if they touch within the time `ahead`, s, or are within
 /// the range of a contact beyond touch.
 #[inline(always)]
 fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> Option<WallLine<V>> {
@@ -163,7 +163,7 @@ fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<
     (touches && wall.is_present).then_some(beside)
 }
 
-/// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within
+/// Returns the contact of the free particle in slot `i` with a wall that no other wall is near, if they touch within
 /// the time `ahead`, s. `mass_root` asks for the root of the reduced mass.
 #[inline(always)]
 #[must_use]
@@ -189,7 +189,7 @@ impl<V: Space> Default for WallContacts<V> {
 }
 
 impl<V: Space> WallContacts<V> {
-    /// Finds the contacts of the movable particle in slot `i` with the walls `near` it, if they touch within the time `ahead`, s. `follow`
+    /// Finds the contacts of the free particle in slot `i` with the walls `near` it, if they touch within the time `ahead`, s. `follow`
     /// receives each wall whose contact passes to another wall at a seam, and that other wall.
     pub(crate) fn find(
         &mut self,
@@ -288,13 +288,13 @@ fn walls_repeat<V: Space>(walls: &[SurfaceWall<V>], beside: &[(usize, WallLine<V
     beside.windows(2).any(|pair| walls[pair[0].0].number == walls[pair[1].0].number)
 }
 
-/// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
+/// Returns the geometry of the free particle in slot `i` and a wall that it has just left.
 pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, dt: f64) -> Pair<V> {
     let pair = wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), true, dt);
     Pair { gathered: store.prediction.springs_exact.then(|| store.gathered_with_wall(i, &pair)), ..pair }
 }
 
-/// Returns the geometry of the movable particle in slot `i` and a wall beside it.
+/// Returns the geometry of the free particle in slot `i` and a wall beside it.
 #[inline(always)]
 fn wall_pair_at<V: Space>(
     store: &ParticleStore<V>,
@@ -317,7 +317,7 @@ fn wall_pair_at<V: Space>(
         spins: [store.spin(i), V::Spin::ZERO],
         species: [store.species[i], wall.species],
         dt,
-        lead: store.spring_lead(),
+        springs_ahead: store.springs_ahead(),
         gathered: None,
         ahead: VelocityPrediction::default(),
     }

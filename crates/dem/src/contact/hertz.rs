@@ -17,7 +17,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::Attraction;
 use crate::contact::law::Bounce;

@@ -25,7 +25,7 @@
 use std::f64::consts::PI;
 
 use crate::contact::adhesion::integrated_restitution;
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::Attraction;
 use crate::contact::hertz::Material;

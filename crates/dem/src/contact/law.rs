@@ -23,7 +23,7 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     fn force(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V>;
 
     /// Returns the force on i, averaged over the step centred on the evaluation, and advances the memory by `pair.dt`.
-    /// `pair.overlap` may be a gap, negative, of up to the half-width of the [`Window`](crate::contact::centred::Window), beyond the
+    /// `pair.overlap` may be a gap, negative, of up to the half-width of the [`Window`](crate::contact::centred::window::Window), beyond the
     /// range of the law. The velocities of `pair` are those of the middle of the step.
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V> {
         if pair.overlap + self.range_of(pair, memory) > 0.0 {

@@ -4,7 +4,7 @@
 //! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979. The same normal force is used in
 //! soft-particle codes and in LAMMPS's `hooke`.
 
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::{Attraction, Coefficient, Damping};
 use crate::contact::law::Bounce;

@@ -31,7 +31,7 @@ pub struct Pair<V: Space = Plane> {
     pub dt: f64,
     /// Time by which the springs of the memory are ahead of the evaluation, s: half a step with contacts under the scheme `Centred`
     /// whose springs advance with predicted velocities, else 0.
-    pub lead: f64,
+    pub springs_ahead: f64,
     /// The velocities with which springs advance, if they differ from those of the pair.
     pub gathered: Option<Gathered<V>>,
     /// Velocity changes until the end of the step, for [`centred`](crate::contact::law::PairLaw::centred); else zero.
@@ -43,8 +43,8 @@ pub struct Pair<V: Space = Plane> {
 pub struct MemoryTimes {
     /// [`Pair::dt`].
     pub dt: f64,
-    /// [`Pair::lead`].
-    pub lead: f64,
+    /// [`Pair::springs_ahead`].
+    pub springs_ahead: f64,
 }
 
 /// Velocities of a pair in the middle of the step. Springs that advance with them have exactly the stretch that positions have.
@@ -90,7 +90,7 @@ impl<V: Space> Pair<V> {
     #[inline(always)]
     #[must_use]
     pub fn is_predicted(&self) -> bool {
-        self.lead > 0.0 || self.gathered.is_some()
+        self.springs_ahead > 0.0 || self.gathered.is_some()
     }
 
     /// Returns R_i R_j/(R_i + R_j), m; R_i/(1 + R_i H) against a wall surface of mean curvature H.
@@ -131,14 +131,14 @@ pub struct VelocityPrediction<V: Space = Plane> {
     /// 1/I of i and j, 1/(kg m^2): 0 for a fixed particle or wall.
     pub inverse_inertias: [f64; 2],
     /// For i and for j: 1 if it is lone, else 0.
-    pub only_contact: [f64; 2],
+    pub lone: [f64; 2],
 }
 
 impl<V: Space> VelocityPrediction<V> {
     /// Returns the change of the closing speed per momentum transferred along the normal, 1/kg, summed only over lone grains.
     #[inline(always)]
     pub(super) fn lone_mobility(&self) -> f64 {
-        self.only_contact[0] * self.inverse_masses[0] + self.only_contact[1] * self.inverse_masses[1]
+        self.lone[0] * self.inverse_masses[0] + self.lone[1] * self.inverse_masses[1]
     }
 }
 
@@ -180,7 +180,7 @@ pub(crate) mod tests {
             spins: [0.0, 0.0],
             species: [Species(0); 2],
             dt: 1e-4,
-            lead: 0.0,
+            springs_ahead: 0.0,
             gathered: None,
             ahead: VelocityPrediction::default(),
         }

@@ -14,7 +14,7 @@ use crate::contact::history::remembered::RememberedContacts;
 use crate::contact::law::{LawRequirements, PairLaw};
 use crate::contact::needs::{Needs, TorqueClass};
 use crate::gravity::Gravity;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
 use crate::persist::{PersistApp as _, Problem};
@@ -39,14 +39,14 @@ const COUNT_INTERVAL: u64 = 8;
 
 /// Returns the time by which memories advance in this run of the schedule, s. In step zero it is the time by which they are
 /// ahead.
-fn memory_step(clock: &Clock, lead: f64) -> f64 {
-    if clock.is_step_zero() { lead } else { clock.dt }
+fn memory_step(clock: &Clock, springs_ahead: f64) -> f64 {
+    if clock.is_step_zero() { springs_ahead } else { clock.dt }
 }
 
 fn contact_forces<V: Space>(
     law: Res<AnyLaw<V>>,
     (clock, gravity, mut search): (Res<Clock>, Res<Gravity<V>>, ResMut<Search<V>>),
-    (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
+    (threads, instructions, mut scratches): (Res<Threads>, Res<InstructionSet>, ResMut<ScratchPerThread<V>>),
     (mut walls, mut near): (ResMut<Surfaces<V>>, ResMut<NearWalls>),
     mut store: ResMut<ParticleStore<V>>,
     mut history: ResMut<History>,
@@ -65,7 +65,7 @@ fn contact_forces<V: Space>(
         walls: &walls.all,
         twins: walls.twins(),
         near: near.of(&store, &walls, have_changed),
-        dt: memory_step(&clock, store.spring_lead()),
+        dt: memory_step(&clock, store.springs_ahead()),
         starts: clock.is_step_zero(),
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
         gravity: gravity.0,
@@ -162,7 +162,7 @@ impl<V: Space> AnyLaw<V> {
             .init_resource::<ScratchPerThread<V>>()
             .init_resource::<LargestOverlap>()
             .init_resource::<NearWalls>()
-            .init_resource::<Instructions>()
+            .init_resource::<InstructionSet>()
             .persist_sound::<History>()
             .persist_sound::<LargestOverlap>()
             .check_restored(check_history::<V>)

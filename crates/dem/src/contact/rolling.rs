@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 
 pub use self::any::{AnyRolling, RollingKeys, RollingKind};
 
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::law::Bounce;
 use crate::contact::pair::{Pair, VelocityPrediction};
 use crate::contact::pair_force::Resistance;
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
-use crate::contact::tangential::NormalLoad;
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
@@ -100,9 +100,9 @@ fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
 /// Returns the mobilities of rolling, 1/kg: R_eff^2/I summed over i and j, then only over lone grains.
 #[inline(always)]
 pub(super) fn mobilities<V: Space>(pair: &Pair<V>) -> [f64; 2] {
-    let VelocityPrediction { inverse_inertias: [i, j], only_contact, .. } = pair.ahead;
+    let VelocityPrediction { inverse_inertias: [i, j], lone, .. } = pair.ahead;
     let squared = pair.reduced_radius().powi(2);
-    [squared * (i + j), squared * (only_contact[0] * i + only_contact[1] * j)]
+    [squared * (i + j), squared * (lone[0] * i + lone[1] * j)]
 }
 
 /// Sets the torques of a rolling force with arm R_eff.
@@ -154,7 +154,7 @@ impl Rolling for RollingResistance {
         let velocities = [pair, &pair.gathering()].map(rolling_velocity);
         let dashpot = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k.get(), dashpot, cap: self.friction.get() * normal_force.abs() };
-        let pull = slider.pull(&mut memory.rolling, velocities, pair.normal, [pair.dt, pair.lead]);
+        let pull = slider.pull(&mut memory.rolling, velocities, pair.normal, [pair.dt, pair.springs_ahead]);
         set_torques(pair, &pull, resistance);
     }
 
@@ -172,8 +172,8 @@ impl Rolling for RollingResistance {
         let middle = rolling_velocity(pair);
         let mobilities = mobilities(pair);
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.lead]);
+        memory.rolling = at_evaluation(memory.rolling, motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.rolling * -slider.stiffness;
         sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         let modulus = |_: &Pair<V>| (slider.stiffness, dashpot);
@@ -183,7 +183,7 @@ impl Rolling for RollingResistance {
     }
 
     fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
-        0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.lead).length_squared()
+        0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.springs_ahead).length_squared()
     }
 
     fn modes(&self, bounce: &Bounce, _: f64) -> [[f64; 2]; 2] {
@@ -192,7 +192,7 @@ impl Rolling for RollingResistance {
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = rolling_velocity(&pair.gathering());
-        lost_at_contact_end(self.k.get(), memory.rolling - velocity * pair.lead, velocity, pair.dt)
+        lost_at_contact_end(self.k.get(), memory.rolling - velocity * pair.springs_ahead, velocity, pair.dt)
     }
 }
 

@@ -13,12 +13,10 @@
 //! In velocity Verlet the spring takes k (S_old + S_new)/2 . v dt from the motion in a step, with v at the half step.
 //! The part that is not stored is lost: k (S_old + S_new)/2 . (S_old + v dt - S_new). This is exact for a straight
 //! slide, and includes the energy lost when the spring turns. The energy balance computes the dissipation of the
-//! dashpot with the particle velocities at the full step (module `energy` of `siloflow`). [`centred`] has the slider of contacts near
+//! dashpot with the particle velocities at the full step (module `energy` of `siloflow`). [`slider`](crate::contact::centred::slider) has the slider of contacts near
 //! an event.
 
-pub mod centred;
-
-use crate::contact::centred::cut;
+use crate::contact::centred::window::cut;
 use crate::space::Space;
 
 /// A spring-dashpot with a cap on its force.
@@ -47,7 +45,7 @@ pub struct SliderForce<V> {
 
 impl Slider {
     /// Advances `spring` (m) by the velocity `gathered` (m/s) for `dt` (s) and returns the force, with the dashpot at `velocity`
-    /// (m/s). `spring` is `lead` (s) ahead of the evaluation, by `velocity`. `normal` is the normal of the tangent plane.
+    /// (m/s). `spring` is `springs_ahead` (s) ahead of the evaluation, by `velocity`. `normal` is the normal of the tangent plane.
     #[inline(always)]
     #[must_use]
     pub fn pull<V: Space>(
@@ -55,30 +53,34 @@ impl Slider {
         spring: &mut V,
         [velocity, gathered]: [V; 2],
         normal: V,
-        [dt, lead]: [f64; 2],
+        [dt, springs_ahead]: [f64; 2],
     ) -> SliderForce<V> {
         let before = *spring;
         let moved = before + gathered * dt;
         let mut after = moved - normal * moved.dot(normal);
-        // The force beside that of the stored spring, which is ahead: -k (S - v lead) - c v = -k S + (k lead - c) v.
-        let beside = velocity * (self.stiffness * lead - self.dashpot);
+        // The force beside that of the stored spring, which is ahead: -k (S - v t) - c v = -k S + (k t - c) v.
+        let beside = velocity * (self.stiffness * springs_ahead - self.dashpot);
         let (is_sliding, force) = cut(after * -self.stiffness + beside, self.cap);
         if is_sliding {
             after = (force - beside) * (-1.0 / self.stiffness);
         }
         *spring = after;
-        // A lead of zero is known to the compiler. In step zero a spring only gets ahead.
-        let both_ahead = if lead > 0.0 { velocity * (lead + lead.min(dt - lead)) } else { V::ZERO };
+        // That this time is zero is known to the compiler. In step zero a spring only gets ahead.
+        let both_ahead = if springs_ahead > 0.0 {
+            velocity * (springs_ahead + springs_ahead.min(dt - springs_ahead))
+        } else {
+            V::ZERO
+        };
         let lost = 0.5 * self.stiffness * (before + after - both_ahead).dot(moved - after);
         SliderForce { force, dashpot: velocity * -self.dashpot, lost, is_sliding }
     }
 }
 
-/// Returns the spring at the beginning of the step, m, from the stored spring, which is `lead` (s) ahead of it. `motion` is
+/// Returns the spring at the beginning of the step, m, from the stored spring, which is `springs_ahead` (s) ahead of it. `motion` is
 /// the velocity in the middle of the step and its gain until the end, m/s. A new contact has no spring.
 #[inline(always)]
-pub(super) fn at_evaluation<V: Space>(spring: V, [middle, gained]: [V; 2], lead: f64) -> V {
-    if spring == V::ZERO { spring } else { spring - (middle - gained) * lead }
+pub(super) fn at_evaluation<V: Space>(spring: V, [middle, gained]: [V; 2], springs_ahead: f64) -> V {
+    if spring == V::ZERO { spring } else { spring - (middle - gained) * springs_ahead }
 }
 
 /// Returns the energy lost with the spring of an ended contact, J. `stiffness` in N/m; `velocity` (m/s) is the velocity

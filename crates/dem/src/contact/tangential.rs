@@ -13,15 +13,14 @@
 //! [`Modulus`].
 
 mod dashpot;
-mod load;
 mod spring_slider;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::dashpot::Dashpot;
-pub use self::load::{NormalLoad, Unloading};
 pub(super) use self::spring_slider::mean_of;
 pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::damping::Coefficient;
 use crate::contact::law::Bounce;
 use crate::contact::pair::{Pair, VelocityPrediction};
@@ -86,9 +85,9 @@ impl<V: Space> Pair<V> {
     #[inline(always)]
     fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
         let middle = self.sliding_velocity(arms);
-        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, only_contact, .. } = self.ahead;
+        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, lone, .. } = self.ahead;
         let [a, b] = [m[0] + arms[0] * arms[0] * i[0], m[1] + arms[1] * arms[1] * i[1]];
-        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, only_contact[0] * a + only_contact[1] * b])
+        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, lone[0] * a + lone[1] * b])
     }
 }
 

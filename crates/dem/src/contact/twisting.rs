@@ -12,12 +12,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
 use crate::contact::rolling::{RollingDamping, mobilities};
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
-use crate::contact::tangential::NormalLoad;
 use crate::space::{Linear, Plane, Space};
 use crate::values::{NonNegative, Positive};
 
@@ -68,7 +68,7 @@ impl Twisting {
         let dashpot = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k, dashpot, cap: self.friction * normal_force.abs() };
         let velocities = [pair, &pair.gathering()].map(|pair| along(velocity(pair)));
-        let pull = slider.pull(&mut spring, velocities, Plane::Y, [pair.dt, pair.lead]);
+        let pull = slider.pull(&mut spring, velocities, Plane::Y, [pair.dt, pair.springs_ahead]);
         memory.twist = spring.x;
         add_torques(pair, &pull, resistance);
     }
@@ -89,8 +89,8 @@ impl Twisting {
         let slider = Slider { stiffness: self.k, dashpot, cap: self.friction * load.whole.abs() };
         let middle = velocity(pair);
         let motion = [along(middle), along(velocity(&pair.predicted()) - middle)];
-        let mut spring = at_evaluation(along(memory.twist), motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.lead]);
+        let mut spring = at_evaluation(along(memory.twist), motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = spring * -self.k;
         sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (self.k, dashpot)));
@@ -101,7 +101,7 @@ impl Twisting {
 
     /// Returns the stored energy, J.
     pub(super) fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
-        0.5 * self.k * (memory.twist - velocity(pair) * pair.lead).powi(2)
+        0.5 * self.k * (memory.twist - velocity(pair) * pair.springs_ahead).powi(2)
     }
 
     /// Returns stiffness (N/m) and dashpot coefficient (N s/m).
@@ -112,7 +112,7 @@ impl Twisting {
     /// Returns the energy lost at the end of a contact, J.
     pub(super) fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = along(velocity(&pair.gathering()));
-        lost_at_contact_end(self.k, along(memory.twist) - velocity * pair.lead, velocity, pair.dt)
+        lost_at_contact_end(self.k, along(memory.twist) - velocity * pair.springs_ahead, velocity, pair.dt)
     }
 }
 

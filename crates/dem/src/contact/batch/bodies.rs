@@ -6,7 +6,7 @@
 use crate::contact::geometry::ContactLine;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::contact::needs::BodyNumbers;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::periodic::Metric;
 use crate::space::{COINCIDENT, PARTED, Space, quad};
 use crate::store::Body;
@@ -170,7 +170,7 @@ impl<V: Space> Bodies<V> {
         &mut self,
         lanes: usize,
         (numbers, mass_root): (BodyNumbers, bool),
-        instructions: Instructions,
+        instructions: InstructionSet,
     ) -> bool {
         match numbers {
             BodyNumbers::Sums => self.measure_by::<false, false>(lanes, mass_root, instructions),
@@ -183,7 +183,7 @@ impl<V: Space> Bodies<V> {
         &mut self,
         lanes: usize,
         mass_root: bool,
-        instructions: Instructions,
+        instructions: InstructionSet,
     ) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
@@ -228,7 +228,7 @@ mod tests {
                 middle: V::Inside::default(),
             }
         };
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             let mut bodies = Bodies::<V>::default();
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];

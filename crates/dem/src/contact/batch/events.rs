@@ -2,13 +2,13 @@
 //! ([`centred`](crate::contact::centred)).
 
 use crate::contact::batch::{Batch, Bodies};
-use crate::contact::centred::Window;
+use crate::contact::centred::start::force_at_start;
+use crate::contact::centred::window::Window;
 use crate::contact::law::{LawRequirements, PairLaw};
 use crate::contact::memory::Memory;
 use crate::contact::pair::{Gathered, MemoryTimes, Pair};
 use crate::contact::pair_force::PairForce;
-use crate::contact::start::force_at_start;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
@@ -63,7 +63,7 @@ impl<V: Space> Batch<V> {
                 } else {
                     0.0
                 };
-                if self.bodies.stay_apart(lane, range, step.store.prediction.lookahead) {
+                if self.bodies.stay_apart(lane, range, step.store.prediction.velocities_ahead) {
                     self.clear::<L>(lane);
                     continue;
                 }
@@ -71,7 +71,7 @@ impl<V: Space> Batch<V> {
             let mut pair = self.pair::<L>(lane, times);
             let mut memory = self.memory.get::<L, V>(lane);
             let force = if step.starts {
-                force_at_start(law, &pair, &mut memory, step.store.prediction.lookahead, self.bodies.reach[lane])
+                force_at_start(law, &pair, &mut memory, step.store.prediction.velocities_ahead, self.bodies.reach[lane])
             } else {
                 step.force(law, self.pairs[lane], &mut pair, &mut memory)
             };
@@ -112,7 +112,7 @@ pub struct EventStep<'a, V: Space> {
     /// Whether it is step zero.
     pub starts: bool,
     /// Instruction set of the law.
-    pub instructions: Instructions,
+    pub instructions: InstructionSet,
 }
 
 impl<V: Space> EventStep<'_, V> {

@@ -23,7 +23,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         let near = self.near.split_off(..count).unwrap_or_default();
         let view = self.view;
         let walls = pass.walls;
-        let limits = (self.mass_root, view.prediction.lookahead);
+        let limits = (self.mass_root, view.prediction.velocities_ahead);
         let mut contacts = WallContacts::default();
         let has_images = pass.needs.memory.is_some() && !pass.twins.is_empty();
         for row in near.chunk_by(|a, b| a.first() == b.first()) {

@@ -63,7 +63,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     ) -> Self {
         let OwnContacts { task, halo, near } = contacts;
         let OwnOutput { sums, batch, on_walls } = output;
-        let event_time = pass.law.overlap_without_events() * view.prediction.lookahead;
+        let event_time = pass.law.overlap_without_events() * view.prediction.velocities_ahead;
         let mass_root = pass.law.needs_mass_root();
         Self { pass, view, task, halo, sums, batch, largest, near, on_walls, mass_root, event_time, class: PhantomData }
     }
@@ -193,7 +193,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         let view = self.view;
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        let times = MemoryTimes { dt, lead: view.spring_lead() };
+        let times = MemoryTimes { dt, springs_ahead: view.springs_ahead() };
         let velocities = match (view.predicts(), view.prediction.springs_exact) {
             (false, _) => Velocities::Middle,
             (true, false) => Velocities::Predicted,

@@ -18,13 +18,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
 use crate::contact::rolling::{Rolling, RollingDamping, RollingResistance, mobilities, rolling_velocity, set_torques};
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
-use crate::contact::tangential::{NormalLoad, mean_of};
+use crate::contact::tangential::mean_of;
 use crate::contact::twisting::{Twisting, TwistingKeys};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
@@ -159,7 +160,7 @@ impl Rolling for AnyRolling {
         let cap = self.friction * normal_force.abs();
         let mut rolling = memory.rolling;
         let mut dt = pair.dt;
-        let ahead = velocity * pair.lead;
+        let ahead = velocity * pair.springs_ahead;
         if pair.is_predicted() {
             dt *= mean_of(self.fades, before, k);
         }
@@ -168,8 +169,12 @@ impl Rolling for AnyRolling {
         rolling += ahead;
         let dashpot = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: k, dashpot, cap };
-        let mut pull =
-            slider.pull(&mut rolling, [velocity, rolling_velocity(&pair.gathering())], pair.normal, [dt, pair.lead]);
+        let mut pull = slider.pull(
+            &mut rolling,
+            [velocity, rolling_velocity(&pair.gathering())],
+            pair.normal,
+            [dt, pair.springs_ahead],
+        );
         pull.lost += lost;
         let torque = Self::torque(pair, velocity, cap);
         (memory.rolling, pull) = if self.is_torque { (V::ZERO, torque) } else { (rolling, pull) };
@@ -192,8 +197,8 @@ impl Rolling for AnyRolling {
         }
         let middle = rolling_velocity(pair);
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.lead]);
+        memory.rolling = at_evaluation(memory.rolling, motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.rolling * -before;
         sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         // Over a release the stiffness is that of the evaluation: there is none of a later overlap.
@@ -219,7 +224,7 @@ impl Rolling for AnyRolling {
     }
 
     fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
-        let spring = memory.rolling - rolling_velocity(pair) * pair.lead;
+        let spring = memory.rolling - rolling_velocity(pair) * pair.springs_ahead;
         let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
         0.5 * k * spring.length_squared() + self.twisting.energy(pair, memory)
     }
@@ -233,7 +238,7 @@ impl Rolling for AnyRolling {
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = rolling_velocity(&pair.gathering());
-        let spring = memory.rolling - velocity * pair.lead;
+        let spring = memory.rolling - velocity * pair.springs_ahead;
         let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
         lost_at_contact_end(k, spring, velocity, pair.dt) + self.twisting.on_contact_end(pair, memory)
     }

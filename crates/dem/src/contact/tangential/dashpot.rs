@@ -1,12 +1,13 @@
 //! Friction without memory: a dashpot in the tangent plane, F_t = -c_t v_t, capped at mu |F_n|.
 
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::damping::Coefficient;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
 use crate::contact::spring::Slider;
 use crate::contact::spring_memory::SpringMemory;
-use crate::contact::tangential::{Lever, NormalLoad, Tangential};
+use crate::contact::tangential::{Lever, Tangential};
 use crate::space::Space;
 
 /// A dashpot capped at mu |F_n|.
@@ -53,7 +54,7 @@ impl Tangential for Dashpot {
         let (motion, mobilities) = pair.sliding(resistance.arms);
         let dashpot = self.damping.of(pair.reduced_mass, load.dashpot);
         let slider = Slider { stiffness: 0.0, dashpot, cap: self.friction * load.whole.abs() };
-        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]);
+        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.springs_ahead]);
         sweep.mean_dashpots = load.mean_dashpots(|share, normal| self.damping.mean(pair.reduced_mass, share, normal));
         let modulus = |_: &Pair<V>| (0.0, dashpot);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, modulus));

@@ -3,13 +3,14 @@
 //!
 //! A [`Modulus`] gives stiffness and dashpot coefficient, constant or dependent on the contact.
 
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::damping::Coefficient;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
 use crate::contact::spring::{Slider, at_evaluation, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
-use crate::contact::tangential::{Lever, NormalLoad, Tangential};
+use crate::contact::tangential::{Lever, Tangential};
 use crate::space::Space;
 
 /// The tangential stiffness and dashpot coefficient of a contact.
@@ -131,13 +132,13 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
                 dt *= mean_of(M::FADES, memory.stiffness, stiffness);
             }
             resistance.stiffness_before = memory.stiffness;
-            let ahead = velocity * pair.lead;
+            let ahead = velocity * pair.springs_ahead;
             memory.spring -= ahead;
             resistance.lost_by_sliding = Self::adapt(stiffness, memory);
             memory.spring += ahead;
         }
         let slider = Slider { stiffness, dashpot, cap: self.friction * normal_force.abs() };
-        let pull = slider.pull(&mut memory.spring, [velocity, gathered], pair.normal, [dt, pair.lead]);
+        let pull = slider.pull(&mut memory.spring, [velocity, gathered], pair.normal, [dt, pair.springs_ahead]);
         resistance.friction = pull.force;
         resistance.friction_dashpot = pull.dashpot;
         resistance.lost_by_sliding += pull.lost;
@@ -158,8 +159,8 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         let (stiffness, dashpot) = self.modulus.of(&at, load.dashpot);
         resistance.arms = self.lever.arms(pair);
         let (motion, mobilities) = pair.sliding(resistance.arms);
-        memory.spring = at_evaluation(memory.spring, motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]);
+        memory.spring = at_evaluation(memory.spring, motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
         sweep.mean_dashpots = load.mean_dashpots(|share, normal| self.modulus.mean_dashpot(pair, share, normal));
         let modulus = |pair: &Pair<V>| self.modulus.of(pair, load.dashpot);
@@ -184,13 +185,13 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
     }
 
     fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
-        let spring = memory.spring - pair.sliding_velocity(self.lever.arms(pair)) * pair.lead;
+        let spring = memory.spring - pair.sliding_velocity(self.lever.arms(pair)) * pair.springs_ahead;
         0.5 * self.modulus.remembered(memory.stiffness) * spring.length_squared()
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = pair.gathering().sliding_velocity(self.lever.arms(pair));
-        let spring = memory.spring - velocity * pair.lead;
+        let spring = memory.spring - velocity * pair.springs_ahead;
         lost_at_contact_end(self.modulus.remembered(memory.stiffness), spring, velocity, pair.dt)
     }
 

@@ -1,4 +1,4 @@
-//! The force of a contact in the first half step of a run, for [`centred`](super::centred) contacts.
+//! The force of a contact in the first half step of a run, in the scheme [`Centred`](super).
 //!
 //! The first half kick covers only this half step, so a share of the whole step around the evaluation would be wrong. The
 //! spring between the centres acts as at the beginning. The dashpot force, friction and rolling resistance are averaged over the part of
@@ -20,7 +20,7 @@ const WEIGHTS: [f64; 3] = [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0];
 /// Returns the force on i averaged over the first half step of a run, `half` (s), or `None` if there is no contact in it. A
 /// grain that moves by more than `reach` (m), the sum of the radii, does not meet its partner but flies through it.
 #[inline(never)]
-pub(super) fn force_at_start<V: Space>(
+pub(in crate::contact) fn force_at_start<V: Space>(
     law: &dyn PairLaw<V>,
     pair: &Pair<V>,
     memory: &mut Memory,

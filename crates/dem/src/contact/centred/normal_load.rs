@@ -1,8 +1,8 @@
 //! The normal load of a contact near an event, as input of its friction and rolling resistance.
 
-use crate::contact::centred::Window;
+use crate::contact::centred::slider::{Event, Release, TangentialStep};
+use crate::contact::centred::window::Window;
 use crate::contact::pair::Pair;
-use crate::contact::spring::centred::{Event, Release, TangentialStep};
 use crate::space::Space;
 
 /// Normal load: the normal force of a centred contact, as input of its tangential terms.
@@ -87,7 +87,7 @@ impl NormalLoad {
         motion: [V; 2],
         mobilities: [f64; 2],
         friction: f64,
-        [dt, lead]: [f64; 2],
+        [dt, springs_ahead]: [f64; 2],
     ) -> TangentialStep<V> {
         let [middle, gained] = motion;
         TangentialStep {
@@ -95,7 +95,7 @@ impl NormalLoad {
             gained,
             mobilities,
             dt,
-            lead,
+            springs_ahead,
             event: self.event.map(|(ago, force, opens)| Event { ago, cap: friction * force.abs(), opens }),
             gathering: self.gathering,
             shares: self.shares,

@@ -1,4 +1,4 @@
-//! The spring slider of a contact near an event: its force averaged over the step ([`crate::contact::centred`]).
+//! The spring slider of a contact near an event: its force averaged over the step ([`window`](super::window)).
 //!
 //! The force is F = cut(-k S theta_k - C v), C being the mean of the dashpot coefficient over the step centred on the evaluation,
 //! and v the velocity at the evaluation. The cap is mu times the normal force averaged over that step. A stiffness that does not
@@ -16,7 +16,7 @@
 //! until P is reached by the cap and slips from then on. The mean force is s P (1 - s |P|/(4 C)) for s |P| < 2 C. Otherwise
 //! the slider slips during the whole share, so that there is nothing to release, and the rule above is of second order.
 
-use crate::contact::centred::cut;
+use crate::contact::centred::window::cut;
 use crate::contact::spring::{Slider, SliderForce};
 use crate::space::Space;
 
@@ -33,7 +33,7 @@ pub struct TangentialStep<V> {
     /// Length of the step, s.
     pub dt: f64,
     /// Time by which the stored spring is ahead of the evaluation, s.
-    pub lead: f64,
+    pub springs_ahead: f64,
     /// The event within the step, if there is one.
     pub event: Option<Event>,
     /// Time during which the spring accumulates, s: the whole step, or from the event to its end, or 0 across a gap.
@@ -133,7 +133,7 @@ impl Slider {
             force = stuck + whole * rest;
         }
         let end = middle + gained + (force - earlier) * half_lone;
-        *spring = if sweep.gathering > 0.0 { after + end * sweep.lead } else { after };
+        *spring = if sweep.gathering > 0.0 { after + end * sweep.springs_ahead } else { after };
         // The loss is computed as if the spring pulled for the whole step; the difference of the averaged force counts as
         // dashpot force.
         let lost = 0.5 * self.stiffness * (before + after).dot(before + middle * sweep.dt - after);
