@@ -86,7 +86,8 @@ pub mod prelude {
     pub use crate::scene::load;
     pub use crate::scene::loaded::Loaded;
     pub use crate::simulation::Simulation;
-    pub use siloflow_dem::contact::{Bounce, ContactPlugin, LawRequirements, Memory, Pair, PairForce, PairLaw};
+    pub use siloflow_dem::contact::memory::{Memory, MemoryVariable, Parity};
+    pub use siloflow_dem::contact::{Bounce, ContactPlugin, LawRequirements, Pair, PairForce, PairLaw};
     pub use siloflow_dem::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
     pub use siloflow_dem::outcome::{End, Failure, Outcome};
     pub use siloflow_dem::particle::{

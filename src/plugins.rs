@@ -26,10 +26,10 @@ use crate::measure::outputs::BehaviourOutputs;
 use crate::rest::RestPlugin;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
+use siloflow_dem::contact::centred::velocity_prediction::VelocityPredictionPlugin;
 use siloflow_dem::contact::history::History;
 use siloflow_dem::engine::Engine;
 use siloflow_dem::integrate::IntegratorPlugin;
-use siloflow_dem::integrate::centred::VelocityPredictionPlugin;
 use siloflow_dem::integrate::rotation::SpinPlugin;
 use siloflow_dem::integrate::wrap::PeriodicPlugin;
 use siloflow_dem::messages::MessagesPlugin;
@@ -152,7 +152,7 @@ pub(crate) fn add_all<V: Engine>(
     add_behaviours(app, behaviours);
     app.add_with("behaviours", |app| {
         // A behaviour that replaces the contact law may add a force of its own without contacts.
-        if own_contacts && !app.world().contains_resource::<History<V>>() {
+        if own_contacts && !app.world().contains_resource::<History>() {
             app.add_systems(Step, clear_forces::<V>.in_set(ForceStage::Contacts));
         }
     });

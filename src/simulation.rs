@@ -64,7 +64,7 @@ impl Simulation {
     /// # Errors
     /// * A behaviour is unknown, or its keys are wrong.
     /// * Systems of behaviours conflict or are in no phase.
-    /// * The environment selects [`instructions`](siloflow_dem::instructions) that this machine lacks.
+    /// * The environment selects [`instructions`](siloflow_dem::instruction_set) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
         Self::with(loaded, registry, threads, Caller::Outside, Box::new(|_| Ok(())), None)
     }

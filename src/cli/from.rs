@@ -14,8 +14,9 @@ use crate::output::state_hash;
 use crate::scene::load::{self, StartState};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
+use siloflow_dem::contact::AnyLaw;
 use siloflow_dem::contact::history::History;
-use siloflow_dem::contact::history::remembered::{self, PartnerKind};
+use siloflow_dem::contact::history::remembered::{self, PartnerKind, RememberedContacts};
 use siloflow_dem::particle::{Grain, GrainId};
 use siloflow_dem::persist::UnknownState;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
@@ -100,14 +101,17 @@ fn state_of<V: Space>(world: &mut World, loaded: &Loaded) -> Result<StartState, 
     }
     let grains = file::write::<V>(world);
     let walls = &world.resource::<Surfaces<V>>().all;
-    let mut rows = match world.get_resource::<History<V>>() {
-        Some(history) => history.remembered(world.resource::<ParticleStore<V>>(), walls),
-        None => Vec::new(),
+    let mut contacts = match (world.get_resource::<History>(), world.get_resource::<AnyLaw<V>>()) {
+        (Some(history), Some(law)) => {
+            let layout = law.0.needs().memory.unwrap_or_default();
+            history.remembered(world.resource::<ParticleStore<V>>(), walls, &layout)
+        }
+        _ => RememberedContacts::default(),
     };
     let names = loaded.wall_names();
-    for row in rows.iter_mut().filter(|row| row.with == PartnerKind::Wall) {
+    for row in contacts.rows.iter_mut().filter(|row| row.with == PartnerKind::Wall) {
         row.wall = names[walls[row.number as usize - 1].number].map(str::to_owned);
     }
-    let contacts = remembered::write(&rows).map_err(|problem| Fault::new("checkpoint::contacts", problem))?;
+    let contacts = remembered::write(&contacts).map_err(|problem| Fault::new("checkpoint::contacts", problem))?;
     Ok(StartState { space: V::DIMENSION, grains, contacts })
 }

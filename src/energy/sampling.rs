@@ -141,7 +141,7 @@ pub(super) fn choose<V: Space>(
 pub(super) fn note_contacts<V: Space>(
     sampling: Res<Sampling>,
     store: Res<ParticleStore<V>>,
-    history: Option<Res<History<V>>>,
+    history: Option<Res<History>>,
     mut activity: ResMut<Activity>,
 ) {
     if sampling.block(store.integrated_rows().len()) == 1 {

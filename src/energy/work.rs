@@ -134,7 +134,7 @@ pub(super) fn add_friction_loss<V: Space>(
     clock: Res<Clock>,
     activity: Res<Activity>,
     store: Res<ParticleStore<V>>,
-    history: Res<History<V>>,
+    history: Res<History>,
     mut flows: ResMut<EnergyFlows>,
     mut channels: ResMut<Channels>,
     mut last: ResMut<TurningPowers>,

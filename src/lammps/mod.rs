@@ -164,7 +164,7 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "`pair granular` lets friction between grains turn them with the arm R - delta/2; siloflow and the walls of LAMMPS take R",
     );
     say(
-        !loaded.contacts_at_start.is_empty(),
+        !loaded.contacts_at_start.rows.is_empty(),
         "springs of contacts at the start (grains.contacts) are lost: a data file of LAMMPS has no contact history",
     );
     say(

@@ -3,9 +3,9 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use siloflow_lattice::collide::collide;
-use siloflow_lattice::friction::rub;
+use siloflow_lattice::friction::stop_at_rough_walls;
 use siloflow_lattice::propagate::{ReflectionRule, propagate};
-use siloflow_lattice::scatter::place;
+use siloflow_lattice::scatter::place_surplus;
 use siloflow_lattice::stop::stop;
 use siloflow_lattice::trickle::trickle;
 
@@ -102,7 +102,7 @@ fn stop_some(
 }
 
 fn place_stopped(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
-    place(&sites, &mut gas, &odds, clock.steps);
+    place_surplus(&sites, &mut gas, &odds, clock.steps);
 }
 
 fn collide_movers(
@@ -123,7 +123,7 @@ impl Plugin for CollisionsPlugin {
 struct FrictionPlugin;
 
 fn stop_at_walls(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
-    rub(&sites, &mut gas, &odds, clock.steps);
+    stop_at_rough_walls(&sites, &mut gas, &odds, clock.steps);
 }
 
 impl Plugin for FrictionPlugin {

@@ -359,14 +359,14 @@ impl<V: Space> FieldSampler<V> {
 }
 
 /// Returns the force on the first particle, N, and the vector from its centre to the end of the branch, m.
-fn force_and_branch<V: Space>(survey: &Survey<'_, V>, partner: Partner, pair: &Pair<V>, memory: &Memory<V>) -> (V, V) {
-    let force = survey.law.force(pair, &mut memory.clone());
+fn force_and_branch<V: Space>(survey: &Survey<'_, V>, partner: Partner, pair: &Pair<V>, memory: &Memory) -> (V, V) {
+    let force = survey.law.force(pair, &mut { *memory });
     let length = match partner {
         Partner::Particle(j) if survey.store.is_fixed(j) => pair.radii[0] - 0.5 * pair.overlap,
         Partner::Particle(_) => pair.radii[0] + pair.radii[1] - pair.overlap,
         Partner::Wall(_) => pair.radii[0] - pair.overlap,
     };
-    (force.smooth + force.turning.friction, pair.normal * -length)
+    (force.normal + force.resistance.friction, pair.normal * -length)
 }
 
 /// Returns the volume of a grain, m^3; in the plane its area, m^2.

@@ -115,9 +115,9 @@ impl BandSampler {
             let sums = &mut self.sums[bin as usize];
             let force = contact.force();
             sums.contacts += 1;
-            sums.normal += force.smooth.dot(contact.normal());
+            sums.normal += force.normal.dot(contact.normal());
             // The friction on the wall is the negative of the friction on the grain, and down is the negative of up.
-            sums.downward += force.turning.friction.height();
+            sums.downward += force.resistance.friction.height();
         }
     }
 

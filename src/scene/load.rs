@@ -13,7 +13,7 @@ use crate::lattice_silo::load::LoadedLattice;
 use crate::scene::check::{Estimates, automatic};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
-use siloflow_dem::contact::history::remembered::{self, Remembered};
+use siloflow_dem::contact::history::remembered::{self, RememberedContacts};
 use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh;
 use siloflow_dem::walls::motion::table::Curve;
@@ -145,7 +145,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
         source,
         silo: SiloGeometry::default(),
         grains: Vec::new(),
-        contacts_at_start: Vec::new(),
+        contacts_at_start: RememberedContacts::default(),
         fixed: Vec::new(),
         notes: Vec::new(),
     };
@@ -180,7 +180,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
 }
 
 /// Reads the file that the key `grains.contacts` names.
-fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fault> {
+fn read_contacts(source: &mut Source, file: &Path) -> Result<RememberedContacts, Fault> {
     let key = CONTACTS;
     let path = source.name_file(key, file);
     let rows = match source.text_for(key) {

@@ -12,7 +12,7 @@ use crate::measure::profile::Profile;
 use crate::scene::check::Estimates;
 use crate::scene::{Scene, TimeStep};
 use siloflow_dem::contact::config::Contact;
-use siloflow_dem::contact::history::remembered::Remembered;
+use siloflow_dem::contact::history::remembered::RememberedContacts;
 use siloflow_dem::contact::selection::Contacts;
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::neighbours::Neighbours;
@@ -35,7 +35,7 @@ pub struct Loaded {
     /// The grains at the start.
     pub grains: Vec<GrainRow>,
     /// Memories of contacts at the start.
-    pub contacts_at_start: Vec<Remembered>,
+    pub contacts_at_start: RememberedContacts,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
     /// Warnings about parts of the state of another run, from which the scene starts, that were left out.

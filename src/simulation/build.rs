@@ -19,7 +19,7 @@ use crate::simulation::{Additions, Simulation};
 use siloflow_dem::contact::ContactsAtStart;
 use siloflow_dem::engine::Engine;
 use siloflow_dem::gravity::Gravity;
-use siloflow_dem::instructions::Instructions;
+use siloflow_dem::instruction_set::InstructionSet;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::{self, PersistApp as _, Section, UnknownState};
 use siloflow_dem::space::{Dimension, Plane, Solid};
@@ -138,7 +138,7 @@ pub(super) fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
     })?;
     let mut app = App::empty();
     app.insert_resource(threads)
-        .insert_resource(Instructions::of_environment()?)
+        .insert_resource(InstructionSet::of_environment()?)
         .init_resource::<Outcome>()
         .init_resource::<StopRequest>()
         .init_resource::<Pending>()
@@ -163,7 +163,7 @@ fn add_plugins<V: Engine>(
     let movers = loaded.movers_of(&surfaces);
     assembly.provide(Surfaces::new(surfaces, largest).with_movers(movers));
     assembly.provide(LeavingWalls::default());
-    if !loaded.contacts_at_start.is_empty() {
+    if !loaded.contacts_at_start.rows.is_empty() {
         assembly.provide(ContactsAtStart(loaded.contacts_at_start.clone()));
     }
     assembly.add_with("walls", |app| {

@@ -15,7 +15,7 @@ mod compare;
 mod scene;
 mod scene_text;
 
-use siloflow::dem::instructions::Instructions;
+use siloflow::dem::instruction_set::InstructionSet;
 use siloflow_oracle::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
 use siloflow_oracle::simulator::Scheme;
 
@@ -38,13 +38,13 @@ struct RunOptions {
     search: &'static str,
     threads: usize,
     energy_balance: bool,
-    instructions: Instructions,
+    instructions: InstructionSet,
 }
 
 impl RunOptions {
     /// Returns combination `number` of the options. Consecutive numbers differ in most options.
     fn of(number: usize) -> Self {
-        let all = Instructions::all();
+        let all = InstructionSet::all();
         Self {
             search: SEARCHES[number % 5],
             threads: 1 + number / 2 % 2,
@@ -256,7 +256,7 @@ fn every_search_instruction_set_and_thread_count_agrees() {
     let law = with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling(Damping::B(2.0)), true);
     let mut options = Vec::new();
     for search in SEARCHES {
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             options.extend([1, 2].map(|threads| RunOptions {
                 search,
                 threads,

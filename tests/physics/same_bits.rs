@@ -195,7 +195,7 @@ fn run_with_cleared_history(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>
         simulation.run_steps(steps);
         let on_walls = simulation.world().resource::<Surfaces<Solid>>().loads.iter().map(|load| load.force).collect();
         seen.push((state_hash::of_world(simulation.world_mut()), on_walls));
-        simulation.world_mut().resource_scope(|world, mut history: Mut<History<Solid>>| {
+        simulation.world_mut().resource_scope(|world, mut history: Mut<History>| {
             if clears {
                 history.blocks_mut(world.resource::<ParticleStore<Solid>>()).0.iter_mut().for_each(HistoryBlock::clear);
             }

@@ -150,7 +150,7 @@ struct Constant(f64);
 
 impl PairLaw for Constant {
     fn force(&self, pair: &Pair, _: &mut Memory) -> PairForce {
-        PairForce::smooth(self.0 * pair.normal, Vector::ZERO)
+        PairForce::new(self.0 * pair.normal, Vector::ZERO)
     }
     fn elastic_energy(&self, pair: &Pair, _: &Memory) -> f64 {
         self.0 * pair.overlap

@@ -118,7 +118,7 @@ fn a_state_that_no_run_of_the_scene_has_is_refused_with_its_part() {
         (&bed, "particle::Radius", 8, &0.0_f64.to_le_bytes(), "not positive"),
         (&bed, "particle::GrainId", 1, &[7], "particle"),
         (&bed, "step::Clock", 1, &[0], ""),
-        (&fed, "History<", 8, &not_finite, "not finite"),
+        (&fed, "history::History", 8, &not_finite, "not finite"),
         (&fed, "spawner::Pending", 1, &[3], "still to come"),
         (&gas, "gas::Gas", 1, &[0xff, 0xff, 0x7f], "no gas can have"),
     ];

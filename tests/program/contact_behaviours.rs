@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use siloflow::dem::contact::AnyLaw;
+use siloflow::dem::contact::centred::velocity_prediction::VelocityPredictionPlugin;
 use siloflow::dem::contact::composite::Composite;
 use siloflow::dem::contact::damping::{Attraction as Pull, Damping};
 use siloflow::dem::contact::linear::LinearNormal;
 use siloflow::dem::contact::rolling::NoRolling;
 use siloflow::dem::contact::tangential::NoFriction;
-use siloflow::dem::integrate::centred::VelocityPredictionPlugin;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
@@ -98,11 +98,11 @@ struct Ages {
 struct TimedSpring;
 
 impl<V: Space> PairLaw<V> for TimedSpring {
-    fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
-        memory.stiffness += pair.dt;
-        PairForce::smooth(pair.normal * (1.0e4 * pair.overlap), V::ZERO)
+    fn force(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V> {
+        memory.numbers[0] += pair.dt;
+        PairForce::new(pair.normal * (1.0e4 * pair.overlap), V::ZERO)
     }
-    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory<V>) -> f64 {
+    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory) -> f64 {
         0.5e4 * pair.overlap * pair.overlap
     }
     fn stiffness(&self, _: &Bounce) -> f64 {
@@ -120,15 +120,15 @@ impl<V: Space> PairLaw<V> for TimedSpring {
 }
 
 impl LawRequirements for TimedSpring {
-    const STIFFNESS: bool = true;
+    const MEMORY: &'static [MemoryVariable] = &[MemoryVariable::number("age", Parity::Even)];
 }
 
 fn age<V: Space>(contacts: ContactView<V>, clock: Res<Clock>, mut ages: ResMut<Ages>) {
     let Ages { of, noted } = &mut *ages;
     of.visit(&contacts, |contact, age| {
         *age += clock.dt;
-        assert!((contact.memory().stiffness - *age).abs() < 1e-12, "{} {age}", contact.memory().stiffness);
-        assert_eq!(contact.memory(), contact.turned_memory());
+        let remembered = contact.memory().numbers[0];
+        assert!((remembered - *age).abs() < 1e-12, "{remembered} {age}");
     });
     let now = (of.len(), contacts.iter().filter_map(|contact| of.get(contact.grain(), contact.with())).sum());
     noted.push(now);
@@ -151,17 +151,6 @@ impl Behaviour for Ages {
                 .add_plugins(ContactPlugin::<Solid, _>::new(Arc::new(TimedSpring)))
                 .add_systems(Step, age::<Solid>.in_set(Phase::Observe)),
         };
-    }
-}
-
-/// Not in the library: turns a memory to the side of the partner. The number kept is the same from both sides.
-trait Turned<V: Space> {
-    fn turned_memory(&self) -> Memory<V>;
-}
-
-impl<V: Space> Turned<V> for Touching<'_, V> {
-    fn turned_memory(&self) -> Memory<V> {
-        self.memory().seen_from_partner()
     }
 }
 
@@ -270,11 +259,12 @@ fn compare<V: Space>(contacts: ContactView<V>, law: Res<AnyLaw<V>>) -> usize {
         let force = contact.force();
         assert_eq!(
             (state.normal_force, state.friction),
-            (force.smooth.dot(contact.normal()), force.turning.friction * sign)
+            (force.normal.dot(contact.normal()), force.resistance.friction * sign)
         );
-        assert_eq!(state.memory.spring, contact.memory().spring * sign);
+        // The tangential spring is all of the memory.
+        assert_eq!(state.memory.numbers, contact.memory().numbers.map(|number| number * sign));
         let moved_on = Pair { dt: 1.0e-4, ..*contact.pair() };
-        assert_eq!(state.is_sliding, law.0.force(&moved_on, &mut contact.memory()).turning.is_sliding);
+        assert_eq!(state.is_sliding, law.0.force(&moved_on, &mut contact.memory()).resistance.is_sliding);
     }
     assert_eq!(seen, all.len());
     seen

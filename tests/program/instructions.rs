@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use siloflow::dem::instructions::{Instructions, VARIABLE};
+use siloflow::dem::instruction_set::{InstructionSet, VARIABLE};
 
 use crate::command_line::text;
 
@@ -42,7 +42,7 @@ fn every_instruction_set_gives_the_same_state() {
     };
     // An empty variable counts as unset.
     let usual = hash("");
-    for instructions in Instructions::all() {
+    for instructions in InstructionSet::all() {
         assert_eq!(hash(instructions.name()), usual, "{}", instructions.name());
     }
 }
@@ -50,7 +50,7 @@ fn every_instruction_set_gives_the_same_state() {
 #[test]
 fn bad_value_is_reported_with_all_allowed_values() {
     let here = tempfile::tempdir().unwrap();
-    let is_here = |name: &&str| Instructions::all().iter().any(|instructions| instructions.name() == *name);
+    let is_here = |name: &&str| InstructionSet::all().iter().any(|instructions| instructions.name() == *name);
     // An instruction set that this machine lacks is refused like an unknown word.
     let lacking: Vec<_> = ["baseline", "avx2", "avx512"].into_iter().filter(|name| !is_here(name)).collect();
     for value in [&["sse9", "AVX2", "avx2 "], &lacking[..]].concat() {

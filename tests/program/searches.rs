@@ -1,7 +1,7 @@
 //! Determinism: thread count, neighbour search, skin and components of users change no bit.
 
 use crate::{hash, load, simulation};
-use siloflow::dem::instructions::Instructions;
+use siloflow::dem::instruction_set::InstructionSet;
 use siloflow::energy::EnergyFlows;
 use siloflow::prelude::*;
 use siloflow::studies::diff::where_they_part;
@@ -197,28 +197,28 @@ fn instructions_change_no_bit() {
         ("chute3d.ron", &[("pictures", "None"), ("integrator", "Centred"), ("profiles", "[]")], 300),
     ];
     assert!(
-        !cfg!(target_arch = "x86_64") || Instructions::all().len() > 1,
+        !cfg!(target_arch = "x86_64") || InstructionSet::all().len() > 1,
         "this machine supports one instruction set only: no comparison"
     );
     for (name, settings, steps) in scenes {
-        let start = |instructions: Instructions, threads: usize| {
+        let start = |instructions: InstructionSet, threads: usize| {
             let mut run = simulation(&load(name, settings), threads);
             run.world_mut().insert_resource(instructions);
             run
         };
-        let run = |instructions: Instructions, threads: usize| {
+        let run = |instructions: InstructionSet, threads: usize| {
             let mut run = start(instructions, threads);
             run.run_steps(steps);
             (hash(&mut run), run.world().resource::<EnergyFlows>().dissipated.to_bits())
         };
-        let reference = run(Instructions::Baseline, 1);
-        for instructions in Instructions::all() {
+        let reference = run(InstructionSet::Baseline, 1);
+        for instructions in InstructionSet::all() {
             for threads in [1, 2, 3] {
                 assert_eq!(
                     run(instructions, threads),
                     reference,
                     "{name}: {instructions:?} on {threads} threads: {}",
-                    where_they_part(start(instructions, threads), start(Instructions::Baseline, 1), steps)
+                    where_they_part(start(instructions, threads), start(InstructionSet::Baseline, 1), steps)
                 );
             }
         }

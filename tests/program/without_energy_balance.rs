@@ -5,7 +5,7 @@ use std::fs;
 use std::num::NonZeroUsize;
 
 use serde_json::Value;
-use siloflow::dem::instructions::Instructions;
+use siloflow::dem::instruction_set::InstructionSet;
 use siloflow::dem::space::{Solid, Space};
 use siloflow::dem::spin::Torque;
 use siloflow::dem::store::ParticleStore;
@@ -37,18 +37,18 @@ fn quiet(name: &str, settings: &[(&str, &str)], more: &[(&str, &str)]) -> Loaded
 #[test]
 fn energy_balance_changes_no_bit_of_the_motion() {
     for (name, settings, steps) in SCENES {
-        let start = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
+        let start = |more: &[(&str, &str)], instructions: InstructionSet, threads: usize| {
             let mut run = simulation(&quiet(name, settings, more), threads);
             run.world_mut().insert_resource(instructions);
             run
         };
-        let run = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
+        let run = |more: &[(&str, &str)], instructions: InstructionSet, threads: usize| {
             let mut run = start(more, instructions, threads);
             run.run_steps(steps);
             hash(&mut run)
         };
-        let with = run(&[], Instructions::default(), 1);
-        for instructions in Instructions::all() {
+        let with = run(&[], InstructionSet::default(), 1);
+        for instructions in InstructionSet::all() {
             for threads in [1, 2] {
                 let without = run(&[WITHOUT], instructions, threads);
                 let part = || {

@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use bevy_app::App;
 
-use crate::contact::selection::{Contacts, LawVisitor};
-use crate::contact::{ContactPlugin, LawRequirements, PairLaw};
+use crate::contact::centred::velocity_prediction::VelocityPredictionPlugin;
+use crate::contact::law::{LawRequirements, PairLaw};
+use crate::contact::plugin::ContactPlugin;
+use crate::contact::selection::{Contacts, LawReceiver};
 use crate::integrate::IntegratorPlugin;
-use crate::integrate::centred::VelocityPredictionPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::integrate::wrap::PeriodicPlugin;
 use crate::neighbours::NeighboursPlugin;
@@ -42,7 +43,7 @@ macro_rules! engine {
             )*
 
             fn add_contacts(app: &mut App, contacts: &Contacts) {
-                contacts.visit::<Self, _>(AddContacts(app));
+                contacts.pass_to::<Self, _>(AddContacts(app));
             }
         }
     };
@@ -59,10 +60,10 @@ engine! {
 
 struct AddContacts<'a>(&'a mut App);
 
-impl<V: Space> LawVisitor<V> for AddContacts<'_> {
+impl<V: Space> LawReceiver<V> for AddContacts<'_> {
     type Output = ();
 
-    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) {
+    fn receive<L: PairLaw<V> + LawRequirements>(self, law: L) {
         self.0.add_plugins(ContactPlugin::<V, L>::new(Arc::new(law)));
     }
 }

@@ -5,7 +5,7 @@ pub mod contact;
 pub mod displacement_trigger;
 pub mod engine;
 pub mod gravity;
-pub mod instructions;
+pub mod instruction_set;
 pub mod integrate;
 pub mod messages;
 pub mod neighbours;

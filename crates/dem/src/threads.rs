@@ -1,4 +1,4 @@
-//! The threads that share the force pass ([`crate::contact::kernel`]), passes over the particle store
+//! The threads that share the force pass ([`crate::contact::force_pass`]), passes over the particle store
 //! ([`crate::store`]), the neighbour search and the passes of the lattice gas. One thread needs no pool. Results are
 //! the same to the last bit for any number of threads.
 //!

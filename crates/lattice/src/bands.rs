@@ -3,7 +3,7 @@
 //! A single thread gets one band with all columns. Results do not depend on the bands: each decision uses the random
 //! numbers of its own site, and reads no value that another site writes in the same pass.
 
-use crate::gas::Gas;
+use crate::gas::{Gas, Surplus};
 use crate::sites::{Run, Sites};
 use siloflow_dem::threads::Threads;
 
@@ -20,9 +20,9 @@ pub(crate) struct Band<'a> {
     pub movers: &'a mut [u16],
     pub resting: &'a mut [u8],
     pub numbers: &'a mut [u8],
-    pub held: &'a mut [u8],
-    /// Sites with stopped particles that need a rest place at a neighbour: (site, number of particles), ascending.
-    pub spare: Vec<(usize, u8)>,
+    pub stopped: &'a mut [u8],
+    /// Stopped particles that need a rest place at a neighbour, by ascending site.
+    pub surplus: Vec<Surplus>,
 }
 
 /// Returns the number of stored sites in a band; the last band may be shorter.
@@ -41,7 +41,7 @@ fn runs(sites: &Sites, first: usize, band_length: usize) -> &[Run] {
     &sites.runs[begin..end]
 }
 
-/// Runs `job` on every band of a gas, then joins the `spare` lists of all bands in [`Gas::spare`].
+/// Runs `job` on every band of a gas, then joins the `surplus` lists of all bands in [`Gas::surplus`].
 pub(crate) fn for_each_band(
     gas: &mut Gas,
     sites: &Sites,
@@ -49,18 +49,19 @@ pub(crate) fn for_each_band(
     job: impl Fn(&mut Band<'_>) + Send + Sync,
 ) {
     let band_length = band_length(sites, threads);
-    let Gas { states, movers, resting, numbers, held, spare, .. } = gas;
+    let Gas { states, movers, resting, numbers, stopped, surplus, .. } = gas;
     let parts = states.chunks(band_length).zip(movers.chunks_mut(band_length)).zip(resting.chunks_mut(band_length));
-    let parts = parts.zip(numbers.chunks_mut(band_length).zip(held.chunks_mut(band_length)));
-    let bands = parts.enumerate().map(|(n, (((states, movers), resting), (numbers, held)))| {
+    let parts = parts.zip(numbers.chunks_mut(band_length).zip(stopped.chunks_mut(band_length)));
+    let bands = parts.enumerate().map(|(n, (((states, movers), resting), (numbers, stopped)))| {
         let first = n * band_length;
-        Band { runs: runs(sites, first, band_length), first, states, movers, resting, numbers, held, spare: Vec::new() }
+        let runs = runs(sites, first, band_length);
+        Band { runs, first, states, movers, resting, numbers, stopped, surplus: Vec::new() }
     });
     let mut bands: Vec<Band> = bands.collect();
     threads.share(bands.iter_mut().map(|band| || job(band)));
-    spare.clear();
+    surplus.clear();
     for band in &mut bands {
-        spare.append(&mut band.spare);
+        surplus.append(&mut band.surplus);
     }
 }
 

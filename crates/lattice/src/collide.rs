@@ -34,14 +34,14 @@ pub fn collide(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisio
 }
 
 fn collide_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Streams) {
-    let Band { runs, first, states, movers, numbers, held, .. } = band;
+    let Band { runs, first, states, movers, numbers, stopped, .. } = band;
     for run in *runs {
         let range = run.start - *first..run.start - *first + run.len;
         let columns = states[range.clone()].iter().zip(&mut movers[range.clone()]);
-        let columns = columns.zip(numbers[range.clone()].iter().zip(&held[range.clone()]));
-        for (s, ((&state, movers), (&number, &held))) in (run.start..).zip(columns) {
-            *movers = if number >= 2 && number != held {
-                outgoing(state, number, held, table, odds, streams.of(s))
+        let columns = columns.zip(numbers[range.clone()].iter().zip(&stopped[range.clone()]));
+        for (s, ((&state, movers), (&number, &stopped))) in (run.start..).zip(columns) {
+            *movers = if number >= 2 && number != stopped {
+                outgoing(state, number, stopped, table, odds, streams.of(s))
             } else if number == 1 && state & MOVERS != 0 {
                 lone_mover(state, table, odds, streams.of(s))
             } else {
@@ -58,10 +58,10 @@ fn lone_mover(state: u16, table: &Collisions, odds: &Odds, draws: Draws) -> u16 
     table.pick(table.choice(1, table.sum(state).resultant - fall), high(word))
 }
 
-/// Returns the outgoing movers of a site with `number` >= 2 particles, `held` of which have been stopped.
+/// Returns the outgoing movers of a site with `number` >= 2 particles, `stopped` of which have been stopped.
 #[inline]
-fn outgoing(state: u16, number: u8, held: u8, table: &Collisions, odds: &Odds, draws: Draws) -> u16 {
-    let count = number - held;
+fn outgoing(state: u16, number: u8, stopped: u8, table: &Collisions, odds: &Odds, draws: Draws) -> u16 {
+    let count = number - stopped;
     let first = draws.word(0);
     let second = draws.word(1);
     let mut resultant = table.sum(state).resultant;
@@ -70,7 +70,7 @@ fn outgoing(state: u16, number: u8, held: u8, table: &Collisions, odds: &Odds, d
     if excluded > 0 || is_level {
         resultant = table.sum(replaced_state(state, number, count, excluded, is_level, draws)).resultant;
     }
-    if held >= 2 && !table.choice(count, resultant).is_exact {
+    if stopped >= 2 && !table.choice(count, resultant).is_exact {
         return random_subset(MOVERS, count, draws, RANDOM_WORDS);
     }
     if odds.fall.happens(low(second)) {
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::outline::Polygon;
     use crate::rules::Rules;
-    use crate::scatter::place;
+    use crate::scatter::place_surplus;
     use crate::stop::stop;
     use crate::velocities::momentum;
     use siloflow_dem::space::Vector;
@@ -143,18 +143,18 @@ mod tests {
         let odds = Odds::new(&rules, seed);
         let threads = Threads::new(std::num::NonZeroUsize::MIN).unwrap();
         stop(&sites, &mut gas, &threads, &table, &odds, 1);
-        place(&sites, &mut gas, &odds, 1);
+        place_surplus(&sites, &mut gas, &odds, 1);
         collide(&sites, &mut gas, &threads, &table, &odds, 1);
-        filled.iter().map(|&s| (gas.states[s], gas.movers[s], gas.held[s])).collect()
+        filled.iter().map(|&s| (gas.states[s], gas.movers[s], gas.stopped[s])).collect()
     }
 
     #[test]
     fn elastic_collisions_keep_number_and_momentum_of_every_state() {
         for seed in 0..20 {
-            for (before, movers, held) in collided(0.0, 0.0, seed) {
+            for (before, movers, stopped) in collided(0.0, 0.0, seed) {
                 if before.count_ones() > 1 {
                     assert_eq!(momentum(movers), momentum(before), "{before:#b}");
-                    assert_eq!(movers.count_ones() + u32::from(held), before.count_ones(), "{before:#b}");
+                    assert_eq!(movers.count_ones() + u32::from(stopped), before.count_ones(), "{before:#b}");
                 }
             }
         }
@@ -162,9 +162,9 @@ mod tests {
 
     #[test]
     fn collisions_conserve_the_number_of_particles() {
-        for (before, movers, held) in collided(0.6, 0.5, 3) {
+        for (before, movers, stopped) in collided(0.6, 0.5, 3) {
             if before.count_ones() > 1 {
-                assert_eq!(movers.count_ones() + u32::from(held), before.count_ones(), "{before:#b}");
+                assert_eq!(movers.count_ones() + u32::from(stopped), before.count_ones(), "{before:#b}");
             }
         }
     }

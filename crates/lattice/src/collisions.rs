@@ -17,7 +17,7 @@ const PLANE: usize = COLUMNS as usize * ROWS as usize;
 /// Sum of the velocities of a state (as an index into the table), and the number of its movers.
 #[derive(Clone, Copy, Debug)]
 pub struct Sum {
-    /// Index of V within the part of the table for one number of movers: see [`place`].
+    /// Index of V within the part of the table for one number of movers: see [`resultant_index`].
     pub resultant: u16,
     /// Number of movers.
     pub count: u8,
@@ -49,7 +49,7 @@ pub const DOWNWARDS: u16 = 2 * COLUMNS;
 /// In debug builds, if (X, Y) is outside the table.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the table")]
-pub fn place((x, y): (i32, i32)) -> u16 {
+pub fn resultant_index((x, y): (i32, i32)) -> u16 {
     debug_assert!((-8..=8).contains(&x) && (-14..=12).contains(&y), "({x}, {y}) is outside the table");
     ((y + 14) * i32::from(COLUMNS) + x + 8) as u16
 }
@@ -57,7 +57,7 @@ pub fn place((x, y): (i32, i32)) -> u16 {
 impl Default for Collisions {
     fn default() -> Self {
         let sums = std::array::from_fn(|movers| Sum {
-            resultant: place(momentum(to_state(movers))),
+            resultant: resultant_index(momentum(to_state(movers))),
             count: u8::try_from(movers.count_ones()).unwrap_or(0),
         });
         let mut table = Self { sums: Box::new(sums), choices: Box::default(), states: Box::default() };
@@ -167,7 +167,7 @@ mod tests {
         let table = Collisions::default();
         for m in 0..=12u8 {
             for (x, y) in (-8..=8).flat_map(|x| (-14..=12).map(move |y| (x, y))) {
-                let choice = table.choice(m, place((x, y)));
+                let choice = table.choice(m, resultant_index((x, y)));
                 let distance = |state: u16| {
                     let sum = momentum(state);
                     3 * (sum.0 - x).pow(2) + (sum.1 - y).pow(2)

@@ -30,7 +30,7 @@ pub enum Purpose {
     /// Random reflection at walls.
     Reflect = 5,
     /// Particles that stop at a rough wall.
-    Rub = 6,
+    StopAtWall = 6,
     /// Neighbours that take the particles stopped by a wall.
     ScatterAtWall = 7,
 }

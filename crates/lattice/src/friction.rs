@@ -5,7 +5,7 @@
 //! prefers neighbours with few movers. A particle that finds no place keeps moving and is reflected.
 
 use crate::draws::{Draws, Purpose, Streams, below};
-use crate::gas::Gas;
+use crate::gas::{Gas, Surplus};
 use crate::rules::Odds;
 use crate::scatter::{Rounds, scatter};
 use crate::sites::{Edge, Sites};
@@ -22,8 +22,8 @@ struct Stopped {
 }
 
 /// Stops particles at rough walls in step `t`.
-pub fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
-    let streams = Streams::new(odds.seed, t, Purpose::Rub, 0);
+pub fn stop_at_rough_walls(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+    let streams = Streams::new(odds.seed, t, Purpose::StopAtWall, 0);
     let mut stopped: Vec<Stopped> = Vec::new();
     for edge in &sites.edges {
         let movers = stopped_at(edge, gas, odds, streams.of(edge.site));
@@ -31,13 +31,14 @@ pub fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
             stopped.push(Stopped { site: edge.site, movers, placed: 0 });
         }
     }
-    let Gas { movers, resting, spare, .. } = gas;
+    let Gas { movers, resting, surplus, .. } = gas;
     #[expect(clippy::cast_possible_truncation, reason = "at most 12")]
     let number = |s: usize| movers[s].count_ones() as u8;
-    spare.clear();
-    spare.extend(stopped.iter().map(|one| (one.site, u8::try_from(one.movers.count_ones()).unwrap_or(0))));
+    surplus.clear();
+    let count = |one: &Stopped| u8::try_from(one.movers.count_ones()).unwrap_or(0);
+    surplus.extend(stopped.iter().map(|one| Surplus { site: one.site, count: count(one) }));
     let rounds = Rounds { seed: odds.seed, t, purpose: Purpose::ScatterAtWall };
-    scatter(sites, spare, resting, &rounds, number, |donor| {
+    scatter(sites, surplus, resting, &rounds, number, |donor| {
         if let Ok(place) = stopped.binary_search_by_key(&donor, |one| one.site) {
             stopped[place].placed += 1;
         }
@@ -55,8 +56,9 @@ pub fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
 /// Returns the other stopped movers, as a state.
 fn stopped_at(edge: &Edge, gas: &mut Gas, odds: &Odds, draws: Draws) -> u16 {
     let hits = gas.movers[edge.site] & edge.rough;
-    let mut stopped =
-        directions(hits).filter(|&d| odds.rub.happens(draws.high(d as u64))).fold(0, |stopped, d| stopped | 1 << d);
+    let mut stopped = directions(hits)
+        .filter(|&d| odds.stop_at_wall.happens(draws.high(d as u64)))
+        .fold(0, |stopped, d| stopped | 1 << d);
     if stopped != 0 && gas.resting[edge.site] == 0 {
         let rests = 1 << nth(stopped, below(draws.high(0), stopped.count_ones()));
         stopped &= !rests;

@@ -22,11 +22,20 @@ pub struct Gas {
     /// Number of particles of each site before the collision.
     pub(crate) numbers: Vec<u8>,
     /// Number of particles of each site that the collision has stopped, in the site's own rest place or at a neighbour.
-    pub(crate) held: Vec<u8>,
-    /// Stopped particles that need a rest place at a neighbour: (site, number of particles).
-    pub(crate) spare: Vec<(usize, u8)>,
+    pub(crate) stopped: Vec<u8>,
+    /// Stopped particles that need a rest place at a neighbour, by ascending site.
+    pub(crate) surplus: Vec<Surplus>,
     entered: u64,
     out: u64,
+}
+
+/// Stopped particles of a site beyond the one that takes the site's own rest place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surplus {
+    /// The site.
+    pub site: usize,
+    /// Their number.
+    pub count: u8,
 }
 
 /// Value of [`Gas::resting`] at sites where no particle can rest.
@@ -54,8 +63,8 @@ impl Gas {
             movers: vec![0; count],
             resting: resting.collect(),
             numbers: vec![0; count],
-            held: vec![0; count],
-            spare: Vec::new(),
+            stopped: vec![0; count],
+            surplus: Vec::new(),
             entered: 0,
             out: 0,
         }

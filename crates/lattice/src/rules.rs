@@ -50,7 +50,7 @@ pub struct Odds {
     /// Number of particles that are left out of the momentum of a collision (q).
     pub forget: Geometric,
     /// Wall friction (b).
-    pub rub: Chance,
+    pub stop_at_wall: Chance,
     /// Internal friction (k).
     pub level: Chance,
     /// Gravity of movers (g).
@@ -69,7 +69,7 @@ impl Odds {
             stop: Geometric::new(rules.p.get()),
             is_elastic: rules.p.get() == 0.0,
             forget: Geometric::new(rules.q.get()),
-            rub: Chance::of(rules.b.get()),
+            stop_at_wall: Chance::of(rules.b.get()),
             level: Chance::of(rules.k.get()),
             fall: Chance::of(rules.g.get()),
             trickle: Chance::of(rules.h.get()),

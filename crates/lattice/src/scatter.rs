@@ -8,7 +8,7 @@
 //! does not matter.
 
 use crate::draws::{Draws, Purpose, Streams, below};
-use crate::gas::Gas;
+use crate::gas::{Gas, Surplus};
 use crate::rules::Odds;
 use crate::sites::Sites;
 use crate::velocities::nth;
@@ -26,24 +26,25 @@ pub(crate) struct Rounds {
 }
 
 /// Finds rest places at neighbours for surplus particles that collisions have stopped.
-pub fn place(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
-    let Gas { resting, numbers, held, spare, .. } = gas;
+pub fn place_surplus(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+    let Gas { resting, numbers, stopped, surplus, .. } = gas;
     let rounds = Rounds { seed: odds.seed, t, purpose: Purpose::Scatter };
-    scatter(sites, spare, resting, &rounds, |s| numbers[s], |donor| held[donor] += 1);
+    scatter(sites, surplus, resting, &rounds, |s| numbers[s], |donor| stopped[donor] += 1);
 }
 
-/// A proposal of a donor (by its index in the list of donors) to the site `to`, which is its neighbour in `direction`.
+/// A proposal of a donor to the site `to`, which is its neighbour in `direction`.
 struct Proposal {
-    place: usize,
+    /// Index of the donor in the list of donors.
+    index: usize,
     to: usize,
     direction: usize,
 }
 
-/// Assigns rest places in `resting` to the surplus particles `spare` (donor site, number of particles). Calls `taken`
+/// Assigns rest places in `resting` to the surplus particles of the donors. Calls `taken`
 /// with the donor of each particle that gets a place. `number` returns the number of particles of a site.
 pub(crate) fn scatter(
     sites: &Sites,
-    spare: &mut [(usize, u8)],
+    donors: &mut [Surplus],
     resting: &mut [u8],
     rounds: &Rounds,
     number: impl Fn(usize) -> u8,
@@ -53,9 +54,9 @@ pub(crate) fn scatter(
     for round in 0..ROUNDS {
         let streams = |sub_step| Streams::new(rounds.seed, rounds.t, rounds.purpose, 2 * round + sub_step);
         proposals.clear();
-        for (place, &(donor, left)) in spare.iter().enumerate().filter(|(_, (_, left))| *left > 0) {
-            let to = propose(sites, donor, left, resting, &number, streams(0).of(donor));
-            proposals.extend(to.map(|(to, direction)| Proposal { place, to, direction }));
+        for (index, &Surplus { site, count }) in donors.iter().enumerate().filter(|(_, donor)| donor.count > 0) {
+            let to = propose(sites, site, count, resting, &number, streams(0).of(site));
+            proposals.extend(to.map(|(to, direction)| Proposal { index, to, direction }));
         }
         // Groups the proposals by neighbour, in ascending order of direction.
         proposals.sort_unstable_by_key(|p| (p.to, p.direction));
@@ -65,9 +66,9 @@ pub(crate) fn scatter(
             let direction = nth(chosen, below(accept.of(rivals[0].to).high(0), chosen.count_ones()));
             let Some(winner) = rivals.iter().find(|p| p.direction == direction) else { continue };
             resting[winner.to] = 1;
-            let (donor, left) = &mut spare[winner.place];
-            *left -= 1;
-            taken(*donor);
+            let donor = &mut donors[winner.index];
+            donor.count -= 1;
+            taken(donor.site);
         }
     }
 }

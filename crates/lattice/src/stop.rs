@@ -11,40 +11,40 @@
 use crate::bands::{self, Band};
 use crate::collisions::Collisions;
 use crate::draws::{Purpose, Streams};
-use crate::gas::Gas;
+use crate::gas::{Gas, Surplus};
 use crate::rules::Odds;
 use crate::sites::Sites;
 use siloflow_dem::threads::Threads;
 
-/// Draws the stopped particles of every site. `Gas::spare` then lists the sites with more than one stopped particle.
+/// Draws the stopped particles of every site. `Gas::surplus` then lists the sites with more than one stopped particle.
 pub fn stop(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Stop, 0);
     bands::for_each_band(gas, sites, threads, |band| stop_in(band, table, odds, streams));
 }
 
 fn stop_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Streams) {
-    let Band { runs, first, states, resting, numbers, held, spare, .. } = band;
+    let Band { runs, first, states, resting, numbers, stopped, surplus, .. } = band;
     for run in *runs {
         let range = run.start - *first..run.start - *first + run.len;
         let columns = states[range.clone()].iter().zip(&mut resting[range.clone()]);
-        let columns = columns.zip(numbers[range.clone()].iter_mut().zip(&mut held[range.clone()]));
-        for (s, ((&state, resting), (number, held))) in (run.start..).zip(columns) {
+        let columns = columns.zip(numbers[range.clone()].iter_mut().zip(&mut stopped[range.clone()]));
+        for (s, ((&state, resting), (number, stopped))) in (run.start..).zip(columns) {
             let moving = table.sum(state).count;
             let rests = (state & 1) as u8;
             *number = moving + rests;
             if *number < 2 {
                 *resting = rests;
-                *held = 0;
+                *stopped = 0;
                 continue;
             }
-            let mut stopped = odds.stop.draw(streams.of(s).high(0), *number).max(number.saturating_sub(12));
-            if odds.is_elastic && stopped < rests && !is_attainable(table, state, *number) {
-                stopped = rests;
+            let mut count = odds.stop.draw(streams.of(s).high(0), *number).max(number.saturating_sub(12));
+            if odds.is_elastic && count < rests && !is_attainable(table, state, *number) {
+                count = rests;
             }
-            *resting = stopped.min(1);
-            *held = *resting;
-            if stopped > 1 {
-                spare.push((s, stopped - 1));
+            *resting = count.min(1);
+            *stopped = *resting;
+            if count > 1 {
+                surplus.push(Surplus { site: s, count: count - 1 });
             }
         }
     }

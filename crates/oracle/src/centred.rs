@@ -1,4 +1,4 @@
-//! Forces of a contact under the centred scheme, as documented in `siloflow::contact::centred`.
+//! Forces of a contact under the centred scheme, as documented in `siloflow::dem::contact::centred`.
 //!
 //! Most contacts of a bed act by `plain` with velocities v + beta h a, predicted for the end of the step, and with springs
 //! stored half a step ahead. A contact takes the averaged force below if its overlap is less than 3 w (8 w for Hertz's

@@ -64,7 +64,7 @@ pub enum Friction {
     },
 }
 
-/// Kind of rolling resistance, `siloflow::contact::rolling::RollingKind`.
+/// Kind of rolling resistance, `siloflow::dem::contact::rolling::RollingKind`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RollingKind {
     Spring,

@@ -22,12 +22,12 @@ pub struct Cohesion {
 }
 
 impl<V: Space> PairLaw<V> for Cohesion {
-    fn force(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
+    fn force(&self, pair: &Pair<V>, _: &mut Memory) -> PairForce<V> {
         let elastic = self.k * pair.overlap - self.attraction;
         PairForce::along(pair.normal, elastic - self.damping * pair.normal_velocity(), elastic)
     }
 
-    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory<V>) -> f64 {
+    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory) -> f64 {
         (0.5 * self.k * pair.overlap - self.attraction) * pair.overlap
     }
 

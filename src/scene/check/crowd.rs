@@ -6,10 +6,10 @@
 //! * **Lagged drag** (`Verlet`, `SymplecticEuler`): the motion is that of one contact with these sums. It becomes unstable at
 //!   lambda = -1, where k_n + k_t + 2 c = 4.
 //! * **`Centred`**: forces see the velocity v_p(n+1) = v_h + r dt a_n with r = beta/2, beta = (1 - q)/(1 + q), q = b dt
-//!   ([`siloflow_dem::integrate::centred`]). b is the damping rate of one contact, along the normal for straight motions and along the tangent
+//!   ([`siloflow_dem::contact::centred::velocity_prediction`]). b is the damping rate of one contact, along the normal for straight motions and along the tangent
 //!   or in rolling for turns. The drag of other contacts lags, so the prediction is not implicit for them. Normal springs follow the
 //!   positions. The others follow the positions too, k_n then being the sum of all springs and k_t = 0, or the predicted velocities by
-//!   the trapezoidal rule, s_(n+1) - s_n = dt (v_p(n+1) + v_p(n))/2: see [`siloflow_dem::integrate::centred`]. The motion x_n = lambda^n has
+//!   the trapezoidal rule, s_(n+1) - s_n = dt (v_p(n+1) + v_p(n))/2: see [`siloflow_dem::contact::centred::velocity_prediction`]. The motion x_n = lambda^n has
 //!
 //!   lambda (lambda - 1)^2 + k_n lambda^2 + (k_t (lambda + 1)/2 + c (lambda - 1)) ((1 + r) lambda - r) = 0.
 //!
@@ -26,8 +26,8 @@
 //! it allows longer steps, because it then includes the change of the spring force.
 
 use crate::scene::check::step::limit;
+use siloflow_dem::contact::centred::velocity_prediction::prediction_share;
 use siloflow_dem::integrate::Integrator;
-use siloflow_dem::integrate::centred::prediction_share;
 
 /// Contribution of contacts of one kind to a motion.
 #[derive(Clone, Copy, Debug)]

@@ -59,7 +59,7 @@ impl Estimates {
         Self::with(loaded, loaded.scene.integrator)
     }
 
-    /// Whether `Centred` lets springs follow the positions at this step ([`siloflow_dem::integrate::centred`]).
+    /// Whether `Centred` lets springs follow the positions at this step ([`siloflow_dem::contact::centred::velocity_prediction`]).
     #[must_use]
     pub fn has_exact_springs(&self) -> bool {
         self.relaxation.is_finite() && self.dt > self.relaxation

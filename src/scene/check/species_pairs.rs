@@ -141,7 +141,7 @@ impl SpeciesPair {
     }
 
     /// The shortest relaxation time c/k of the springs along the tangent, in rolling and in twisting, s; infinite without such
-    /// springs. `Centred` lets springs follow the positions in steps longer than that ([`siloflow_dem::integrate::centred`]).
+    /// springs. `Centred` lets springs follow the positions in steps longer than that ([`siloflow_dem::contact::centred::velocity_prediction`]).
     #[must_use]
     pub fn relaxation(&self) -> f64 {
         let springs = self.motions().into_iter().filter(|way| way.gathers && way.k > 0.0);

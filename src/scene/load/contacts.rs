@@ -35,12 +35,12 @@ impl Loaded {
     /// Gives the memories of contacts at the start the numbers that their partners have in this scene. Rows that have no place in it
     /// are returned with their numbers, from 1.
     pub(super) fn find_partners(&mut self) -> Vec<(usize, Stray)> {
-        let rows = std::mem::take(&mut self.contacts_at_start);
+        let rows = std::mem::take(&mut self.contacts_at_start.rows);
         let (found, strays) = match self.scene.space {
             Dimension::Plane => resolve_all::<Plane>(self, rows),
             Dimension::Solid => resolve_all::<Solid>(self, rows),
         };
-        self.contacts_at_start = found;
+        self.contacts_at_start.rows = found;
         strays
     }
 }

@@ -1,6 +1,6 @@
 //! Adhesion of touching bodies: a pull between the centres while they overlap.
 //!
-//! F_n = max(spring - c v_n, floor) - P(delta), with the spring and the drag of another law and one of these pulls:
+//! F_n = max(spring - c v_n, floor) - P(delta), with the spring and the dashpot of another law and one of these pulls:
 //!
 //! | key | P | source |
 //! |---|---|---|
@@ -11,8 +11,8 @@
 //! Friction and rolling resistance are capped with F_n + P, so that a contact in which pull and spring cancel resists
 //! sliding (Thornton, J. Phys. D 24, 1942, 1991). This sum begins at zero where the bodies touch.
 //!
-//! The pull has the potential -P delta (`Area`: half of it), so that without drag a bounce loses nothing: bodies stick
-//! because of the drag. `Force` and `Dmt` jump to their value at touch. [`centred`](super::centred) contacts take the
+//! The pull has the potential -P delta (`Area`: half of it), so that without a dashpot a bounce loses nothing: bodies stick
+//! because of the dashpot. `Force` and `Dmt` jump to their value at touch. [`centred`](super::centred) contacts take the
 //! mean of the jump over the step, so that they keep their second order. Velocity Verlet is of first order in P.
 //!
 //! Limits: no force beyond touch; [`jkr`](super::jkr) has one. The work of adhesion is twice the surface energy of one material.
@@ -21,9 +21,10 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::centred::{VelocityPrediction, Window};
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
-use crate::contact::{Bounce, Pair};
+use crate::contact::law::Bounce;
+use crate::contact::pair::{Pair, VelocityPrediction};
 use crate::particle::Species;
 use crate::space::{Plane, Space};
 use crate::values::{NonNegative, Positive};
@@ -45,7 +46,7 @@ pub enum Adhesion {
 /// A normal force with adhesion.
 #[derive(Clone, Copy, Debug)]
 pub struct Adhesive<N> {
-    /// Spring and drag.
+    /// Spring and dashpot.
     normal: N,
     /// Pull from touch on, N, and the part of it per R*, N/m.
     constant: f64,
@@ -96,7 +97,7 @@ impl<N: Normal> Adhesive<N> {
 }
 
 impl<N: Normal> Normal for Adhesive<N> {
-    const EVEN: f64 = N::EVEN;
+    const OVERLAP_WITHOUT_EVENTS: f64 = N::OVERLAP_WITHOUT_EVENTS;
     const FADES: bool = N::FADES;
     const PULLS: bool = true;
 
@@ -106,18 +107,18 @@ impl<N: Normal> Normal for Adhesive<N> {
     }
 
     #[inline(always)]
-    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
-        self.normal.drag(pair)
+    fn dashpot<V: Space>(&self, pair: &Pair<V>) -> f64 {
+        self.normal.dashpot(pair)
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
-        self.normal.mean_drag(pair, window, overlap)
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
+        self.normal.mean_dashpot(pair, window, overlap)
     }
 
     #[inline(always)]
-    fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64 {
-        self.normal.even_drag(drag, window, overlap)
+    fn mean_dashpot_without_events(&self, dashpot: f64, window: &Window, overlap: f64) -> f64 {
+        self.normal.mean_dashpot_without_events(dashpot, window, overlap)
     }
 
     #[inline(always)]
@@ -170,7 +171,7 @@ impl<N: Normal> Normal for Adhesive<N> {
 pub(super) fn integrated_restitution<N: Normal>(normal: &N, bounce: &Bounce, end: f64) -> f64 {
     let force = |overlap: f64, closing: f64| {
         let pair = head_on(bounce, overlap.max(end), closing);
-        let load = (normal.spring(&pair) + normal.drag(&pair) * closing).max(normal.floor());
+        let load = (normal.spring(&pair) + normal.dashpot(&pair) * closing).max(normal.floor());
         (normal.pull(&pair, 1.0) - load) / bounce.reduced_mass
     };
     let h = normal.contact_duration(bounce) / 400.0;
@@ -198,13 +199,13 @@ fn head_on(bounce: &Bounce, overlap: f64, closing: f64) -> Pair {
         overlap,
         relative_velocity: Plane::X * -closing,
         reduced_mass: bounce.reduced_mass,
-        root: bounce.reduced_mass.sqrt(),
+        mass_root: bounce.reduced_mass.sqrt(),
         radii: [2.0 * bounce.reduced_radius; 2],
         inverse_reach: 0.25 / bounce.reduced_radius,
         spins: [0.0; 2],
         species: [Species(0); 2],
         dt: 0.0,
-        lead: 0.0,
+        springs_ahead: 0.0,
         gathered: None,
         ahead: VelocityPrediction::default(),
     }
@@ -241,7 +242,7 @@ mod tests {
         let fast = strong.restitution(&Bounce { speed: 100.0, ..BOUNCE });
         assert!((fast - 0.8).abs() < 0.01, "{fast}");
         let free = law(0.8, Adhesion::Dmt(1e-9.try_into().unwrap())).restitution(&BOUNCE);
-        // The last step of the integration misses the end by up to a step, in which the drag takes 2 zeta w0 h.
+        // The last step of the integration misses the end by up to a step, in which the dashpot takes 2 zeta w0 h.
         assert!((free - 0.8).abs() < 2e-3, "{free}");
     }
 }

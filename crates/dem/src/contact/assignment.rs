@@ -6,9 +6,12 @@
 //!
 //! Source: Remmers, "The grain silo", 2009. The force "that i exerts on j" in that text is the force on i.
 
-use crate::contact::centred::{VelocityPrediction, Window};
+use crate::contact::centred::window::Window;
 use crate::contact::damping::Attraction;
-use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
+use crate::contact::law::{Bounce, LawRequirements, PairLaw};
+use crate::contact::memory::Memory;
+use crate::contact::pair::{Pair, VelocityPrediction};
+use crate::contact::pair_force::PairForce;
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
@@ -33,14 +36,14 @@ impl LawRequirements for Assignment {
 
 impl<V: Space> PairLaw<V> for Assignment {
     #[inline(always)]
-    fn force(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
-        PairForce::smooth(pair.normal * (self.k * pair.overlap), pair.relative_velocity * -self.b)
+    fn force(&self, pair: &Pair<V>, _: &mut Memory) -> PairForce<V> {
+        PairForce::new(pair.normal * (self.k * pair.overlap), pair.relative_velocity * -self.b)
     }
 
     /// Like the normal force of [`Composite`](crate::contact::composite::Composite), but with vectors: this drag acts
     /// on the whole relative velocity.
     #[inline(always)]
-    fn centred(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
+    fn centred(&self, pair: &Pair<V>, _: &mut Memory) -> PairForce<V> {
         let window = Window::of(pair);
         let before = pair.overlap - window.moved;
         let [drag, drag_before] = if pair.overlap >= 3.0 * window.half_width {
@@ -57,10 +60,10 @@ impl<V: Space> PairLaw<V> for Assignment {
         let change = pair.normal * (half_lone * (spring - self.k * before.max(0.0)));
         let drag_then = (pair.relative_velocity - gained) * (half * drag_before);
         let velocity = pair.relative_velocity + gained + change + drag_then;
-        PairForce::smooth(pair.normal * spring, velocity * (-drag / (1.0 + half * drag)))
+        PairForce::new(pair.normal * spring, velocity * (-drag / (1.0 + half * drag)))
     }
 
-    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory<V>) -> f64 {
+    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory) -> f64 {
         0.5 * self.k * pair.overlap * pair.overlap
     }
 
@@ -91,7 +94,7 @@ impl<V: Space> PairLaw<V> for Assignment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::tests::pair;
+    use crate::contact::pair::tests::pair;
     use crate::space::Vector;
 
     fn law() -> Assignment {
@@ -103,7 +106,7 @@ mod tests {
         let pair = Pair { overlap: 1e-3, relative_velocity: Vector::new(-2.0, 3.0), ..pair() };
         let force = law().force(&pair, &mut Memory::default());
         assert_eq!(force.elastic(), Vector::new(10.0, 0.0));
-        assert_eq!(force.drag, Vector::new(10.0, -15.0));
+        assert_eq!(force.dashpot, Vector::new(10.0, -15.0));
     }
 
     #[test]

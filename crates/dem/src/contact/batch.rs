@@ -18,43 +18,46 @@ pub use self::events::{EventStep, Predict};
 pub use self::gathered::GatheredLanes;
 pub use self::memories::MemoryLanes;
 pub use self::spins::Spins;
-use crate::contact::centred::VelocityPrediction;
-use crate::contact::history::ContactLosses;
+use crate::contact::history::losses::ContactLosses;
 use crate::contact::lanes::{LANES, PerLane, of_both, smaller};
-use crate::contact::{LawRequirements, LawVisitor, MemoryTimes, Pair, PairForce, PairLaw};
-use crate::instructions::Instructions;
+use crate::contact::law::{LawComputation, LawRequirements, PairLaw};
+use crate::contact::memory::Memory;
+use crate::contact::pair::{MemoryTimes, Pair, VelocityPrediction};
+use crate::contact::pair_force::PairForce;
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
 use crate::space::{Linear, Space};
 use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
 
 /// Returns 1 if the contact may open or close within the step, or, with friction, if its normal force may change its sign; otherwise
-/// 0. `even` (s) times the normal speed is the overlap from which neither happens without drag. `range` (m) is how far the contact
-/// exists beyond touch. Combining the sign bits of two numbers takes fewer vector instructions than
-/// comparing their minimum with zero.
+/// 0. `event_time` (s) times the normal speed is the overlap from which neither happens without a dashpot. `range` (m) is how far the
+/// contact exists beyond touch. Combining the sign bits of two numbers takes fewer vector instructions than comparing their minimum with
+/// zero.
 #[inline(always)]
 fn near_event<L: PairLaw<V> + LawRequirements, V: Space>(
     law: &L,
     pair: &Pair<V>,
     force: &PairForce<V>,
-    (even, range): (f64, f64),
+    event_time: f64,
+    range: f64,
 ) -> u64 {
-    let nearest = even * pair.normal_velocity().abs();
+    let nearest = event_time * pair.normal_velocity().abs();
     let overlap = if L::REACHES { pair.overlap + range } else { pair.overlap };
     let opening = overlap - nearest;
     if !L::SPIN {
         return opening.to_bits() >> 63;
     }
-    // The drag of a separating contact reduces the force, so that its sign may change at a larger overlap.
+    // The dashpot of a separating contact reduces the force, so that its sign may change at a larger overlap.
     let [load, spring] = force.load.unwrap_or_else(
         #[inline(always)]
         || {
-            let mut total = force.smooth.dot(pair.normal);
+            let mut total = force.normal.dot(pair.normal);
             if L::PULLS {
                 // An adhesive pull does not count in the cap of friction.
                 total += law.pull(pair);
             }
-            [total, total - force.drag.dot(pair.normal)]
+            [total, total - force.dashpot.dot(pair.normal)]
         },
     );
     let unloading = smaller(load, spring) * overlap - spring * nearest;
@@ -72,10 +75,10 @@ pub struct Batch<V: Space> {
     pub spins: Spins<V>,
     pub gathered: GatheredLanes<V>,
     pub species: [PerLane<Species>; 2],
-    pub memory: MemoryLanes<V>,
+    pub memory: MemoryLanes,
     pub output: ContactOutput<V>,
     /// Memories after the evaluation.
-    pub memory_after: MemoryLanes<V>,
+    pub memory_after: MemoryLanes,
     /// Bits of the lanes with a lone particle.
     pub lone: u64,
 }
@@ -91,7 +94,7 @@ impl<V: Space> Batch<V> {
         bodies.overlap[lane] = pair.overlap;
         bodies.relative_velocity.set(lane, pair.relative_velocity);
         bodies.reduced_mass[lane] = pair.reduced_mass;
-        bodies.root[lane] = pair.root;
+        bodies.mass_root[lane] = pair.mass_root;
         bodies.reach[lane] = pair.radii[0];
         (bodies.radii[0][lane], bodies.radii[1][lane]) = pair.radii.into();
         bodies.inverse_reach[lane] = pair.inverse_reach;
@@ -106,19 +109,19 @@ impl<V: Space> Batch<V> {
     /// Returns the contact in a lane as the input of the law.
     #[inline(always)]
     pub fn pair<L: LawRequirements>(&self, lane: usize, times: MemoryTimes) -> Pair<V> {
-        let MemoryTimes { dt, lead } = times;
+        let MemoryTimes { dt, springs_ahead } = times;
         let mut pair = Pair {
             normal: self.bodies.normal.get(lane),
             overlap: self.bodies.overlap[lane],
             relative_velocity: self.bodies.relative_velocity.get(lane),
             reduced_mass: self.bodies.reduced_mass[lane],
-            root: self.bodies.root[lane],
+            mass_root: self.bodies.mass_root[lane],
             radii: [0.0; 2],
             inverse_reach: 0.0,
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
-            lead,
+            springs_ahead,
             gathered: None,
             ahead: VelocityPrediction::default(),
         };
@@ -138,7 +141,7 @@ impl<V: Space> Batch<V> {
     /// Takes the marks of the pairs into [`Self::lone`]. `unmark` removes the marks from the pairs. Only contact histories compare pairs, so
     /// marks may stay where there is no memory.
     #[inline]
-    pub fn take_marks(&mut self, unmark: bool, instructions: Instructions) {
+    pub fn take_marks(&mut self, unmark: bool, instructions: InstructionSet) {
         let pairs = &mut self.pairs;
         let marks = instructions.run(
             #[inline(always)]
@@ -175,9 +178,8 @@ impl<V: Space> Batch<V> {
         self.len.next_multiple_of(8).min(LANES)
     }
 
-    /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum of the
-    /// radii, and the bits of the lanes near an event: see the function `near_event`, also for `even`, s. Both include
-    /// lanes beyond the last contact. `CENTRED`: velocities are predicted. `GATHERED`: springs advance with those in the middle of the step.
+    /// Evaluates `law` in all lanes, also in those beyond the last contact. `CENTRED`: velocities are predicted. `GATHERED`: springs
+    /// advance with those in the middle of the step.
     #[inline(always)]
     fn evaluate_lanes<
         L: PairLaw<V> + LawRequirements,
@@ -187,15 +189,15 @@ impl<V: Space> Batch<V> {
     >(
         &mut self,
         law: &L,
-        times: MemoryTimes,
-        [deepest, even]: [f64; 2],
-    ) -> (u64, u64) {
+        call: &Call,
+    ) -> Evaluated {
+        let Call { times, deepest, event_time, .. } = *call;
         let mut deeper = 0;
-        let mut near = 0;
-        // So the compiler can tell whether the lead is zero: plain contacts do not pay for centred ones, and the loop of
-        // centred ones has no branch on the lead.
-        let lead = if CENTRED && !GATHERED { times.lead.max(f64::MIN_POSITIVE) } else { 0.0 };
-        let times = MemoryTimes { lead, ..times };
+        let mut near_events = 0;
+        // So the compiler can tell whether this time is zero: plain contacts do not pay for centred ones, and the loop of
+        // centred ones has no branch on it.
+        let springs_ahead = if CENTRED && !GATHERED { times.springs_ahead.max(f64::MIN_POSITIVE) } else { 0.0 };
+        let times = MemoryTimes { springs_ahead, ..times };
         if L::SPIN {
             self.spins.spread(self.lanes());
         }
@@ -204,47 +206,50 @@ impl<V: Space> Batch<V> {
             if GATHERED {
                 pair.gathered = Some(self.gathered.get::<L>(lane));
             }
-            let mut memory = self.memory.get::<L>(lane);
-            let range = if CENTRED && L::REACHES { law.range(&pair, &memory) } else { 0.0 };
-            let force = law.force(&pair, &mut memory);
+            let mut memory = self.memory.get::<L, V>(lane);
+            let range = if L::REACHES { law.range_of(&pair, &memory) } else { 0.0 };
+            let force = if L::REACHES && pair.overlap + range <= 0.0 {
+                memory = Memory::default();
+                PairForce::default()
+            } else {
+                let force = law.force(&pair, &mut memory);
+                memory.exists = L::REACHES;
+                force
+            };
             deeper += u64::from(pair.overlap > deepest * self.bodies.reach[lane]);
             self.output.store_force::<L>(lane, &pair, &force);
             if NUMBERS == TOTAL_AND_DISSIPATIVE {
                 self.output.store_energy_numbers::<L>(lane, &pair, &force);
             }
-            self.memory_after.set::<L>(lane, &memory);
+            self.memory_after.set::<L, V>(lane, &memory);
             if CENTRED {
-                near |= near_event(law, &pair, &force, (even, range)) << lane;
+                near_events |= near_event(law, &pair, &force, event_time, range) << lane;
             }
         }
-        (deeper, near)
+        Evaluated { deeper, near_events }
     }
 
-    /// Marks the lanes of bodies that are within range beyond touch but not in contact. The law has cleared their memories.
+    /// Marks the lanes of bodies that are within range beyond touch but not in contact.
     #[inline]
     pub fn mark_gaps(&mut self) {
-        for lane in 0..self.len.min(LANES) {
-            if self.memory_after.stiffness[lane] <= 0.0 {
-                self.output.no_contact(lane);
-            }
-        }
+        self.output.set_gaps(!self.memory_after.exists & !(u64::MAX << self.len));
     }
 
     /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the
-    /// numbers that only the energy balance needs. Returns what [`Self::evaluate_lanes`] returns.
+    /// numbers that only the energy balance needs.
     #[inline]
     pub fn evaluate<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
         call: &Call,
-    ) -> (u64, u64) {
+    ) -> Evaluated {
         match call.velocities {
-            Velocities::Middle => Lanes::<V, NUMBERS, false, false> { batch: self, call }.evaluate(law),
+            Velocities::Middle => LaneLoop::<V, NUMBERS, false, false> { batch: self, call }.evaluate(law),
             // Springs exist only where there is memory.
-            Velocities::PredictedAndMiddle if L::MEMORY => {
-                Lanes::<V, NUMBERS, true, true> { batch: self, call }.evaluate(law)
+            Velocities::PredictedAndMiddle if L::REMEMBERS => {
+                LaneLoop::<V, NUMBERS, true, true> { batch: self, call }.evaluate(law)
             }
-            _ => Lanes::<V, NUMBERS, true, false> { batch: self, call }.evaluate(law),
+            _ => LaneLoop::<V, NUMBERS, true, false> { batch: self, call }.evaluate(law),
         }
     }
 
@@ -277,46 +282,58 @@ pub struct Call {
     /// The times of memories.
     pub times: MemoryTimes,
     /// Instruction set of the loop over the lanes.
-    pub instructions: Instructions,
-    /// `deepest` and `even`, s.
-    pub limits: [f64; 2],
+    pub instructions: InstructionSet,
+    /// Overlap, divided by the sum of the radii, beyond which contacts are counted.
+    pub deepest: f64,
+    /// Time whose product with the normal speed is the overlap from which a contact has no event within the step, s.
+    pub event_time: f64,
 }
 
-/// Evaluates all lanes of a batch. Two pointers, so that a function gets it in registers: numbers that are copied through memory in
-/// pieces of another size make their reader wait.
-struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> {
+/// The result of [`Batch::evaluate`]. It includes lanes beyond the last contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluated {
+    /// Number of lanes that overlap by more than [`Call::deepest`].
+    pub deeper: u64,
+    /// Bits of the lanes near an event: the contact may open or close within the step, or the normal force of a contact with friction
+    /// may change its sign.
+    pub near_events: u64,
+}
+
+/// The evaluation of all lanes of a batch. It holds two references and no numbers: a function receives two references in registers. It would
+/// receive a larger struct through memory, and wait for it.
+struct LaneLoop<'a, V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> {
     batch: &'a mut Batch<V>,
     call: &'a Call,
 }
 
 impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool>
-    Lanes<'_, V, NUMBERS, CENTRED, GATHERED>
+    LaneLoop<'_, V, NUMBERS, CENTRED, GATHERED>
 {
     /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
     /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
     #[inline]
-    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u64, u64) {
+    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> Evaluated {
         let depends = L::SPECIES && law.depends_on_species();
         let only = if depends { self.batch.only_species() } else { Some([Species(0); 2]) };
         if let Some(species) = only {
             return law.between(species, self);
         }
         let Self { batch, call } = self;
-        batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call.times, call.limits)
+        batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call)
     }
 }
 
-impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> LawVisitor<V>
-    for Lanes<'_, V, NUMBERS, CENTRED, GATHERED>
+impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> LawComputation<V>
+    for LaneLoop<'_, V, NUMBERS, CENTRED, GATHERED>
 {
-    type Output = (u64, u64);
+    type Output = Evaluated;
 
     /// A function of its own: compiled once for a law and for its table of pairs of species.
-    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u64, u64) {
+    fn run<L: PairLaw<V> + LawRequirements>(self, law: &L) -> Evaluated {
         let Self { batch, call } = self;
         call.instructions.run(
             #[inline(always)]
-            || batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call.times, call.limits),
+            || batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call),
         )
     }
 }
@@ -324,10 +341,9 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Memory;
     use crate::contact::composite::Composite;
     use crate::contact::damping::{Attraction, Coefficient, Damping};
-    use crate::contact::force_accumulation::{drag, total};
+    use crate::contact::force_accumulation::{dashpot, total};
     use crate::contact::linear::LinearNormal;
     use crate::contact::rolling::NoRolling;
     use crate::contact::table::PairTable;
@@ -346,62 +362,62 @@ mod tests {
             overlap: 1e-4 * (0.1 + part),
             relative_velocity: along(speed, part - 0.5, 0.2 * part),
             reduced_mass: 0.1 + part,
-            root: (0.1 + part).sqrt(),
+            mass_root: (0.1 + part).sqrt(),
             radii: [0.01 + 0.04 * part, f64::INFINITY],
             inverse_reach: 0.0,
             spins: [V::narrow_spin(Solid::new(part, 1.0 - part, 3.0 * part)), V::Spin::ZERO],
             species: [Species(0), Species(1)],
             dt: 1e-5,
-            lead: 0.0,
+            springs_ahead: 0.0,
             gathered: None,
             ahead: VelocityPrediction {
                 velocity: along(0.0, -1e-4, 2e-4),
                 spins: [V::narrow_spin(Solid::new(0.1 * part, 0.2, 0.3)), V::Spin::ZERO],
                 inverse_masses: [1.0 / (0.1 + part), 0.0],
                 inverse_inertias: [40.0, 0.0],
-                only_contact: [f64::from(number % 3 / 2), 0.0],
+                lone: [f64::from(number % 3 / 2), 0.0],
             },
         }
     }
 
-    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, lead: 0.0 };
+    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, springs_ahead: 0.0 };
 
     fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L, species: fn(u32) -> u8) {
         let contacts = 33;
         let on_wall = |number: u32| Pair { species: [Species(species(number)), Species(1)], ..on_wall(number) };
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             let mut batch = Batch::<V>::default();
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
             let velocities = Velocities::Middle;
-            let call = |deepest| Call { velocities, times: TIMES, instructions, limits: [deepest, 0.0] };
-            let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, &call(0.0));
-            assert!(deeper >= u64::from(contacts));
+            let call = |deepest| Call { velocities, times: TIMES, instructions, deepest, event_time: 0.0 };
+            let evaluated = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, &call(0.0));
+            assert!(evaluated.deeper >= u64::from(contacts));
             for (lane, number) in (0..contacts).enumerate() {
                 let pair = on_wall(number);
                 let mut memory = Memory::default();
                 let on_i = law.force(&pair, &mut memory);
-                let turning = &on_i.turning;
-                let torque = |friction: V| pair.normal.cross(friction) * -turning.arms[0];
+                let resistance = &on_i.resistance;
+                let torque = |friction: V| pair.normal.cross(friction) * -resistance.arms[0];
                 assert_eq!(
                     batch.output.force::<TOTAL_AND_DISSIPATIVE>(lane),
-                    [total::<L, V>(&on_i), drag::<L, V>(&on_i)]
+                    [total::<L, V>(&on_i), dashpot::<L, V>(&on_i)]
                 );
                 assert_eq!(
                     batch.output.torques::<L, TOTAL_AND_DISSIPATIVE>(lane)[0],
-                    [torque(turning.friction), torque(turning.friction_drag)]
+                    [torque(resistance.friction), torque(resistance.friction_dashpot)]
                 );
-                assert_eq!(batch.memory_after.get::<L>(lane), memory);
+                assert_eq!(batch.memory_after.get::<L, V>(lane), memory);
                 assert!(batch.output.is_contact(lane));
             }
-            assert_eq!(batch.evaluate::<L, TOTAL>(law, &call(1.0)).0, 0);
+            assert_eq!(batch.evaluate::<L, TOTAL>(law, &call(1.0)).deeper, 0);
         }
     }
 
     /// Marks three of eight pairs, one of them beyond the end of a batch of seven. Checks the bits and the pairs.
     fn check_marks(unmark: bool) {
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             let mut batch = Batch::<Plane> { len: 7, ..Batch::default() };
             for (lane, number) in (0..8).enumerate() {
                 batch.pairs[lane] = Candidate::new(number, 9).with_mark(u8::from([1, 6, 7].contains(&number)));

@@ -1,178 +1,52 @@
-//! Averaged forces of contacts near an event: damping and friction of second order in the step, with one evaluation of the
-//! forces.
+//! The scheme `Centred`: velocity Verlet of second order in the step also with dashpots and friction, with one evaluation of the forces
+//! in a step.
 //!
-//! Velocity Verlet evaluates forces at x(t+dt) with the velocities v_h of t+dt/2. With drag this is only of first
-//! order, for two reasons: the drag uses a velocity half a step old, and it jumps when a contact opens or closes inside
-//! a step. Predicted velocities correct the first for all contacts ([`crate::integrate::centred`]). The forces of this
-//! module correct the second. They are for contacts near an event:
+//! Velocity Verlet evaluates forces at x(t+dt) with the velocities v_h in the middle of the step. The force of a dashpot so has an error of
+//! first order, and a contact that opens or closes inside a step has its force for the whole step or not at all. The scheme corrects both:
 //!
-//! * the overlap is less than [`even_from`](crate::contact::PairLaw::even_from) half-widths w of the step, so that
-//!   the contact may open or close;
-//! * with friction, the normal force may change its sign within the step, so that the cap is zero there;
-//! * a grain of the contact is lone: at no count of contacts, one in eight steps, has it had a second contact since it was last
-//!   without any. Then all that changes the velocity of the grain is known, and the error is three to ten times smaller.
+//! * Every contact sees predicted velocities v_p = v_h + beta dt/2 a(t), beta = (1 - q)/(1 + q), q = b dt, with the largest damping rate b
+//!   of any contact ([`velocity_prediction`]).
+//! * A contact near an event is evaluated anew, with its force averaged over the step from t+dt/2 to t+3dt/2 ([`window`]). Near an event are
+//!   contacts that may open or close in the step, contacts whose normal force may change its sign, and contacts of a lone grain.
 //!
-//! In a dense bed these are a few contacts in a hundred. Below, h = dt/2, u is the closing speed (along the normal,
-//! positive when approaching) and delta the overlap:
+//! Positions move as in velocity Verlet. A scene without dashpots and friction has the same numbers with both schemes, to the last bit.
 //!
-//! * **Share.** The evaluation at t+dt represents the step centred on it. In that step the overlap changes from
-//!   delta - w to delta + w, w = h |u_h|. The contact exists in the share theta = clamp((delta + w)/(2 w), 0, 1) of
-//!   that step, and the drag is multiplied by theta. So it also acts across a gap of up to w. A coefficient that varies
-//!   with the overlap is replaced by its mean. Gaps of more than 1.25 h times the predicted speed get no force.
-//! * **Centred velocity.** The drag uses u at t+dt, solved for implicitly in the pair's own drag. All other forces are
-//!   lagged by a step: u = (u_h + h A_t + h D_t/m + h (F_t - F_s)/m')/(1 + h theta c/m). A_t is the closing
-//!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and drag in that
-//!   step. They are not stored but computed again from delta_t = delta - dt u_h and u_t = u_h - h A_t. F_s is the
-//!   spring force now. The change of the spring force counts only for lone grains: 1/m' is the
-//!   sum of 1/m_i over these grains. In a dense packing, other neighbours cancel the force of one neighbour, and a
-//!   light grain between heavy ones would get too large a correction.
-//! * **Spring.** The spring force k max(delta, 0) is unchanged. Without drag and friction the scheme is velocity Verlet
-//!   to the last bit, and symplectic.
-//! * **Friction** ([`Slider::pull_centred`](super::spring::Slider::pull_centred)). The tangential spring accumulates
-//!   v_h from the moment of contact on, not during the whole first step. If the dashpot exceeds the cap at that moment,
-//!   the spring is set there as in any slip. The same is done where the normal force changes sign, with a cap of zero.
-//!   The dashpot uses the velocity at t+dt, solved for as along the normal, with 1/m_t = 1/m + l_i^2/I_i + l_j^2/I_j.
-//!   Spring and dashpot are averaged over the step, and the force is capped with the averaged normal force. A contact that
-//!   still sticks when its normal force reaches zero acts only in the share of the step before that moment. The spring is
-//!   stored half a step ahead, with the velocity of the end that this force gives.
+//! # A step
 //!
-//! In step zero the average is over the first half step alone, which is all that the first half kick covers (`start`).
+//! 1. *Drift*: v_h and v_p from a(t), then x(t+dt) from v_h. Bodies hold v_p, and v_h is kept beside it. The longest move gives the margin of
+//!    the search and the radii that particles sweep within half a step.
+//! 2. *Neighbours*: the time and the shares of the prediction are set. The search finds all pairs that may touch within half a step.
+//! 3. *Forces*: pairs with a lone grain are marked. All laws run in batches, with v_p. Lanes near an event get v_h and the velocity gain of
+//!    half a step, and the law's [`centred`](crate::contact::PairLaw::centred) force. In one of eight steps contacts are counted, which tells the
+//!    lone grains.
+//! 4. *Kick*: v(t+dt) from v_h.
 //!
-//! Stability of a single linear contact, in the normal and in the tangential direction: w0 dt < min(2, 1/zeta). The
-//! motion has det = (1 - h c/m)/(1 + h c/m) and trace = (2 - (w0 dt)^2)/(1 + h c/m), and an error of F_t is multiplied
-//! by -h c/m in each step. Velocity Verlet with lagged drag has a lower limit at every zeta. With several contacts the
-//! order is reversed (module `scene::check::crowd` of `siloflow`). `tests/physics/schemes.rs` compares these limits with simulations.
+//! Step zero has no drift. Its forces are averaged over the first half step, which is all that the first kick covers (`start`).
 //!
-//! Limits:
+//! # Files
 //!
-//! * Contacts with a wall that a behaviour accelerates are of first order: fixed particles have no velocity prediction,
-//!   so the drag misses the velocity that the wall gains in half a step.
-//! * If the force of a new contact makes another contact stick while its dashpot slips, that other contact keeps the spring of
-//!   an evaluation up to half a step from this moment. The spring grows at another rate in slip than in stick, so its error
-//!   is of first order. It would take the moment at which the other contact opens, which no pair knows of another.
-//! * With strong damping (e = 0.2) the normal force of Hertz's law has order 1.5 from t_c/20 to t_c/80, and 1.9 from t_c/320
-//!   on, with and without friction.
-//! * The energy balance is of second order.
-//! * theta uses u_h. So grazing contacts, with a normal that turns within a step, are of second order with a larger
-//!   constant.
+//! | file | part |
+//! |---|---|
+//! | [`velocity_prediction`] | beta, how springs advance, and the plugin of the scheme |
+//! | [`window`] | the averaged force: derivation, stability, limits |
+//! | [`normal_load`], [`slider`] | the averaged normal force as a load of friction; the averaged force of friction and rolling resistance |
+//! | `start` | forces of step zero |
+//! | `lone_grains` | which grains are lone, and the marks of their pairs |
+//! | `pair_velocities` | v_h, and the gain of half a step, of a single contact |
 //!
-//! Sources: the averaged drag is exact for a linear dashpot. The implicit drag is the trapezoidal rule. Their
-//! combination with lagged forces of other contacts was developed for this project.
+//! Some parts stand where other code needs them:
+//! * `store/prediction.rs` holds v_h, the margins and the marks of lone grains. They are columns of the store, which knows no contact.
+//! * `integrate/recorded_velocity.rs` tells the drift and the kick which velocity a body holds. Both are written once for all schemes.
+//! * `contact/batch/events.rs` and `contact/batch/gathered.rs` evaluate lanes near an event, and keep v_h of lanes. They use the columns of a
+//!   batch, which only the batch sees.
+//! * Each law has its centred force beside its plain one: `PairLaw::centred`, in most laws by [`Composite`](crate::contact::composite::Composite).
+//!
+//! Limits are those of [`window`] and [`velocity_prediction`]. The step limits with several contacts are in `scene::check::crowd` of `siloflow`.
 
-use crate::contact::Pair;
-use crate::space::{Linear, Plane, Space};
-
-/// Velocity prediction of a pair: velocity gains until the end of the step if the forces at its beginning persist. Seen
-/// from the side of i.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct VelocityPrediction<V: Space = Plane> {
-    /// dt/2 (a_i - a_j), m/s.
-    pub velocity: V,
-    /// dt/2 times the angular accelerations of i and j, rad/s.
-    pub spins: [V::Spin; 2],
-    /// 1/m of i and j, 1/kg: 0 for a fixed particle or wall.
-    pub inverse_masses: [f64; 2],
-    /// 1/I of i and j, 1/(kg m^2): 0 for a fixed particle or wall.
-    pub inverse_inertias: [f64; 2],
-    /// For i and for j: 1 if it is lone, else 0.
-    pub only_contact: [f64; 2],
-}
-
-impl<V: Space> VelocityPrediction<V> {
-    /// Returns the change of the closing speed per momentum transferred along the normal, 1/kg, summed only over lone grains.
-    #[inline(always)]
-    pub(super) fn lone_mobility(&self) -> f64 {
-        self.only_contact[0] * self.inverse_masses[0] + self.only_contact[1] * self.inverse_masses[1]
-    }
-}
-
-impl<V: Space> Pair<V> {
-    /// Returns the pair with the velocities predicted for the end of the step.
-    #[inline(always)]
-    #[must_use]
-    pub fn predicted(&self) -> Self {
-        let mut pair = *self;
-        pair.relative_velocity += self.ahead.velocity;
-        pair.spins[0] += self.ahead.spins[0];
-        pair.spins[1] += self.ahead.spins[1];
-        pair
-    }
-
-    /// Returns the pair with another overlap, m; a negative `overlap` is replaced by 0.
-    #[inline(always)]
-    #[must_use]
-    pub fn at_overlap(&self, overlap: f64) -> Self {
-        Self { overlap: overlap.max(0.0), ..*self }
-    }
-}
-
-/// The step centred on an evaluation, along the normal.
-#[derive(Clone, Copy, Debug)]
-pub struct Window {
-    /// Closing speed u_h, m/s.
-    pub closing: f64,
-    /// w, m: change of the overlap in half a step.
-    pub half_width: f64,
-    /// dt u_h, m: increase of the overlap since the previous evaluation.
-    pub moved: f64,
-}
-
-impl Window {
-    /// Returns the window of a pair.
-    #[inline(always)]
-    #[must_use]
-    pub fn of<V: Space>(pair: &Pair<V>) -> Self {
-        let closing = -pair.normal_velocity();
-        let moved = pair.dt * closing;
-        Self { closing, half_width: 0.5 * moved.abs(), moved }
-    }
-
-    /// Returns whether the contact exists in any part of the step.
-    #[inline(always)]
-    #[must_use]
-    pub fn touches(&self, overlap: f64) -> bool {
-        overlap + self.half_width > 0.0
-    }
-
-    /// Returns theta for an evaluation at `overlap`, m.
-    #[inline(always)]
-    #[must_use]
-    pub fn share(&self, overlap: f64) -> f64 {
-        let w = self.half_width;
-        if overlap >= w { 1.0 } else { (0.5 * (overlap + w) / w).clamp(0.0, 1.0) }
-    }
-}
-
-/// Returns whether `a` is longer than `cap`, and `a` shortened to at most `cap`.
-#[inline(always)]
-pub(super) fn cut<V: Linear>(a: V, cap: f64) -> (bool, V) {
-    let squared = a.length_squared();
-    if squared > cap * cap { (true, a * (cap / squared.sqrt())) } else { (false, a) }
-}
-
-#[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
-mod tests {
-    use super::*;
-    use crate::contact::tests::pair;
-    use crate::space::Vector;
-
-    fn window(speed: f64) -> Window {
-        Window::of(&Pair { relative_velocity: Vector::new(-speed, 3.0), dt: 1e-3, ..pair() })
-    }
-
-    #[test]
-    fn share_is_the_fraction_of_the_step_in_contact() {
-        // Approaching or separating at 2 m/s: 2 mm per step, 1 mm to each side of the evaluation.
-        for speed in [2.0, -2.0] {
-            let w = window(speed);
-            let shares = [-1.5e-3, -1e-3, -0.5e-3, 0.0, 0.5e-3, 1e-3, 1.5e-3].map(|overlap| w.share(overlap));
-            assert_eq!(shares, [0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0]);
-            assert!(!w.touches(-1e-3) && w.touches(-0.9e-3));
-        }
-        // At rest the window has zero width.
-        let still = window(0.0);
-        assert_eq!([still.share(1e-9), still.share(0.0)], [1.0, 1.0]);
-        assert!(!still.touches(0.0) && still.touches(1e-300));
-    }
-}
+pub(super) mod lone_grains;
+pub mod normal_load;
+mod pair_velocities;
+pub mod slider;
+pub(super) mod start;
+pub mod velocity_prediction;
+pub mod window;

@@ -1,13 +1,18 @@
 //! A law composed of terms: a normal force, a tangential force and rolling resistance.
 //!
-//! The terms are types, so each combination of terms gets a kernel of its own. An unused term
+//! The terms are types, so that the loop over contacts is compiled for each combination of terms. An unused term
 //! ([`NoFriction`](super::tangential::NoFriction), [`NoRolling`](super::rolling::NoRolling)) costs no run time.
 
-use crate::contact::centred::{VelocityPrediction, Window};
+use crate::contact::centred::normal_load::{NormalLoad, Unloading};
+use crate::contact::centred::window::Window;
 use crate::contact::lanes::larger;
+use crate::contact::law::{Bounce, LawRequirements, PairLaw};
+use crate::contact::memory::{Memory, MemoryVariable};
+use crate::contact::pair::{Pair, VelocityPrediction};
+use crate::contact::pair_force::PairForce;
 use crate::contact::rolling::Rolling;
-use crate::contact::tangential::{NormalLoad, Tangential, Unloading};
-use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
+use crate::contact::spring_memory::{ROLLING, SPRING, STIFFNESS, SpringMemory, TWIST};
+use crate::contact::tangential::Tangential;
 use crate::space::Space;
 
 /// A force along the normal: (max(spring - c v_n, floor) - pull) n.
@@ -16,10 +21,10 @@ use crate::space::Space;
 pub trait Normal: Copy + Send + Sync + 'static {
     /// See [`LawRequirements::RADII`].
     const RADII: bool = true;
-    /// For overlaps of at least this many half-widths of the step, [`Normal::even_drag`] gives the mean drag
-    /// coefficient.
-    const EVEN: f64;
-    /// Whether the drag coefficient goes to zero with the overlap.
+    /// The smallest overlap, in half-widths of the step, at which a contact cannot open or close within the step. From it on,
+    /// [`Normal::mean_dashpot_without_events`] gives the mean dashpot coefficient.
+    const OVERLAP_WITHOUT_EVENTS: f64;
+    /// Whether the dashpot coefficient goes to zero with the overlap.
     const FADES: bool = false;
     /// Whether there is a pull.
     const PULLS: bool = false;
@@ -29,16 +34,16 @@ pub trait Normal: Copy + Send + Sync + 'static {
     /// Returns the spring force, N.
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
 
-    /// Returns the drag coefficient c, N s/m.
-    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64;
+    /// Returns the dashpot coefficient c, N s/m.
+    fn dashpot<V: Space>(&self, pair: &Pair<V>) -> f64;
 
-    /// Returns the mean of the drag coefficient over the step centred on `overlap` (m; negative for a gap), N s/m. The
+    /// Returns the mean of the dashpot coefficient over the step centred on `overlap` (m; negative for a gap), N s/m. The
     /// coefficient is zero where there is no contact.
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64;
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64;
 
-    /// Returns the mean of the drag coefficient for an overlap much larger than the half-width of the step, N s/m.
-    /// `drag` is the coefficient at the evaluation.
-    fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64;
+    /// Returns the mean of the dashpot coefficient for an overlap much larger than the half-width of the step, N s/m.
+    /// `dashpot` is the coefficient at the evaluation.
+    fn mean_dashpot_without_events(&self, dashpot: f64, window: &Window, overlap: f64) -> f64;
 
     /// Returns the lower bound of the total normal force, N: 0, or minus infinity where the force may pull.
     fn floor(&self) -> f64;
@@ -104,47 +109,76 @@ pub struct Composite<N, T, R> {
 
 impl<N: Normal, T: Tangential, R: Rolling> LawRequirements for Composite<N, T, R> {
     const SPIN: bool = T::SPIN;
-    const RADII: bool = N::RADII || T::SPIN;
-    const SPRING: bool = T::SPRING;
-    const STIFFNESS: bool = T::STIFFNESS;
     const ROLLING: bool = R::ROLLING;
-    const TWISTING: bool = R::TWISTING;
+    const RADII: bool = N::RADII || T::SPIN;
+    const MEMORY: &'static [MemoryVariable] = &[
+        SPRING.kept_if(T::SPRING),
+        ROLLING.kept_if(R::ROLLING),
+        STIFFNESS.kept_if(T::STIFFNESS),
+        TWIST.kept_if(R::TWISTING),
+    ];
     const PULLS: bool = N::PULLS;
     const REACHES: bool = N::REACHES;
 }
 
 impl<N: Normal, T: Tangential, R: Rolling> Composite<N, T, R> {
-    /// Returns the range beyond touch of a contact with this memory, m; 0 if it does not exist.
+    /// Returns the springs in a memory, which has the variables of [`LawRequirements::MEMORY`].
     #[inline(always)]
-    fn range_of<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        if N::REACHES && memory.stiffness > 0.0 { self.normal.range(pair.reduced_radius()) } else { 0.0 }
+    fn springs<V: Space>(memory: &Memory) -> SpringMemory<V> {
+        let rolling = const { SPRING.kept_if(T::SPRING).width::<V>() };
+        let stiffness = rolling + const { ROLLING.kept_if(R::ROLLING).width::<V>() };
+        let twist = stiffness + const { STIFFNESS.kept_if(T::STIFFNESS).width::<V>() };
+        SpringMemory {
+            spring: if T::SPRING { memory.vector(0) } else { V::ZERO },
+            rolling: if R::ROLLING { memory.vector(rolling) } else { V::ZERO },
+            stiffness: if T::STIFFNESS { memory.numbers[stiffness] } else { 0.0 },
+            twist: if R::TWISTING { memory.numbers[twist] } else { 0.0 },
+        }
+    }
+
+    /// Sets the springs in a memory.
+    #[inline(always)]
+    fn remember<V: Space>(memory: &mut Memory, springs: &SpringMemory<V>) {
+        let rolling = const { SPRING.kept_if(T::SPRING).width::<V>() };
+        let stiffness = rolling + const { ROLLING.kept_if(R::ROLLING).width::<V>() };
+        let twist = stiffness + const { STIFFNESS.kept_if(T::STIFFNESS).width::<V>() };
+        if T::SPRING {
+            memory.set_vector(0, springs.spring);
+        }
+        if R::ROLLING {
+            memory.set_vector(rolling, springs.rolling);
+        }
+        if T::STIFFNESS {
+            memory.numbers[stiffness] = springs.stiffness;
+        }
+        if R::TWISTING {
+            memory.numbers[twist] = springs.twist;
+        }
     }
 }
 
 impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N, T, R> {
     #[inline(always)]
-    fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
-        if N::REACHES && pair.overlap + self.range_of(pair, memory) <= 0.0 {
-            *memory = Memory::default();
-            return PairForce::default();
-        }
+    fn force(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V> {
+        let mut springs = Self::springs(memory);
         let spring = self.normal.spring(pair);
-        let drag = self.normal.drag(pair);
-        let load = larger(spring - drag * pair.normal_velocity(), self.normal.floor());
+        let dashpot = self.normal.dashpot(pair);
+        let load = larger(spring - dashpot * pair.normal_velocity(), self.normal.floor());
         let pull = self.normal.pull(pair, 1.0);
         let mut force =
             PairForce { load: Some([load, spring]), ..PairForce::along(pair.normal, load - pull, spring - pull) };
-        self.tangential.add(pair, load, drag, memory, &mut force.turning);
-        self.rolling.add(pair, load, memory, &mut force.turning);
+        self.tangential.add(pair, load, dashpot, &mut springs, &mut force.resistance);
+        self.rolling.add(pair, load, &mut springs, &mut force.resistance);
+        Self::remember(memory, &springs);
         force
     }
 
     #[inline(always)]
-    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+    fn centred(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V> {
         let window = Window::of(pair);
+        let mut springs = Self::springs::<V>(memory);
         // Measured from where the contact breaks, if it exists beyond touch.
-        let range = self.range_of(pair, memory);
-        let exists = memory.stiffness > 0.0;
+        let range = if N::REACHES { self.range_of(pair, memory) } else { 0.0 };
         let overlap = if N::REACHES { pair.overlap + range } else { pair.overlap };
         let before = overlap - window.moved;
         let at = |overlap: f64| {
@@ -157,13 +191,13 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         let now = at(overlap);
         let then = at(before);
         let spring = self.normal.spring(&now);
-        let drag = self.normal.drag(&now);
-        let [mean, mean_before] = if overlap >= N::EVEN * window.half_width {
-            [self.normal.even_drag(drag, &window, overlap); 2]
+        let dashpot = self.normal.dashpot(&now);
+        let [mean, mean_before] = if overlap >= N::OVERLAP_WITHOUT_EVENTS * window.half_width {
+            [self.normal.mean_dashpot_without_events(dashpot, &window, overlap); 2]
         } else if N::REACHES {
-            [(&now, overlap), (&then, before)].map(|(pair, overlap)| self.normal.mean_drag(pair, &window, overlap))
+            [(&now, overlap), (&then, before)].map(|(pair, overlap)| self.normal.mean_dashpot(pair, &window, overlap))
         } else {
-            [overlap, before].map(|overlap| self.normal.mean_drag(pair, &window, overlap))
+            [overlap, before].map(|overlap| self.normal.mean_dashpot(pair, &window, overlap))
         };
         let VelocityPrediction { velocity: gained, inverse_masses, .. } = &pair.ahead;
         let gained = -gained.dot(pair.normal);
@@ -178,7 +212,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         };
         // The force of a contact that reaches beyond touch jumps, and is steep where the contact breaks.
         let w = window.half_width;
-        let [mean_spring, mean_spring_before] = if !N::REACHES || overlap >= N::EVEN * w {
+        let [mean_spring, mean_spring_before] = if !N::REACHES || overlap >= N::OVERLAP_WITHOUT_EVENTS * w {
             [spring, spring_before]
         } else {
             let mean = |overlap: f64| self.normal.mean_spring(&at(overlap - w), &at(overlap + w));
@@ -192,24 +226,24 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         let total = (mean_spring + mean * closing).max(floor);
         let mut force = PairForce::along(pair.normal, total - pull, mean_spring - pull);
         if T::SPIN {
-            let whole = (spring + drag * closing).max(floor);
-            // Turning normals and rounding may give a new contact a positive overlap at the beginning of the step. A
+            let whole = (spring + dashpot * closing).max(floor);
+            // Resistance normals and rounding may give a new contact a positive overlap at the beginning of the step. A
             // contact without a spring is treated as new.
             let is_new = if N::REACHES {
-                !exists
+                !memory.exists
             } else {
-                before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO
+                before <= 0.0 || T::SPRING && before < window.moved && springs.spring == V::ZERO
             };
-            let drag_at = |overlap: f64| self.normal.drag(&at(overlap));
+            let dashpot_at = |overlap: f64| self.normal.dashpot(&at(overlap));
             // The normal force at the beginning of the step, without its lower bound.
-            let begins = spring_before + drag_at(before) * (window.closing - gained);
+            let begins = spring_before + dashpot_at(before) * (window.closing - gained);
             let event = if is_new {
                 (overlap > 0.0).then(|| (overlap / window.closing).min(pair.dt)).map(|ago| {
                     // As for the spring, without the velocity that the averaged force of this contact took before the
                     // contact opened.
                     let own = half * force_before;
                     let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
-                    let load = drag_at(0.0) * speed;
+                    let load = dashpot_at(0.0) * speed;
                     (ago, if N::REACHES { load + self.normal.spring(&at(0.0)) } else { load }.max(floor), true)
                 })
             } else {
@@ -222,48 +256,44 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
             let unloading = if is_new || N::REACHES {
                 None
             } else if overlap > 0.0 {
-                Unloading::of([begins, spring + drag * closing], pair.dt, &window, overlap, pair.dt)
+                Unloading::of([begins, spring + dashpot * closing], pair.dt, &window, overlap, pair.dt)
             } else {
-                let parted = drag_at(0.0) * (window.closing + gained);
+                let parted = dashpot_at(0.0) * (window.closing + gained);
                 Unloading::of([begins, parted], before / -window.closing, &window, overlap, pair.dt)
             };
             let averaged = [force_before, total];
-            let mean_drags = [mean_before, mean];
+            let mean_dashpots = [mean_before, mean];
             let fades = N::FADES;
-            let load = NormalLoad { whole, averaged, shares, drag, mean_drags, fades, gathering, event, unloading };
-            self.tangential.add_centred(pair, &load, memory, &mut force.turning);
-            self.rolling.add_centred(pair, &load, memory, &mut force.turning);
-            if N::REACHES && is_new && overlap <= 0.0 {
-                // The contact forms after this evaluation.
-                *memory = Memory::default();
-            }
+            let load =
+                NormalLoad { whole, averaged, shares, dashpot, mean_dashpots, fades, gathering, event, unloading };
+            self.tangential.add_centred(pair, &load, &mut springs, &mut force.resistance);
+            self.rolling.add_centred(pair, &load, &mut springs, &mut force.resistance);
+            Self::remember(memory, &springs);
         }
         force
     }
 
-    fn even_from(&self) -> f64 {
-        N::EVEN
+    fn overlap_without_events(&self) -> f64 {
+        N::OVERLAP_WITHOUT_EVENTS
     }
 
-    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        self.normal.energy(pair) + self.tangential.energy(pair, memory) + self.rolling.energy(pair, memory)
+    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory) -> f64 {
+        let springs = Self::springs(memory);
+        self.normal.energy(pair) + self.tangential.energy(pair, &springs) + self.rolling.energy(pair, &springs)
     }
 
-    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
-        [self.tangential.on_contact_end(pair, memory), self.rolling.on_contact_end(pair, memory)]
+    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory) -> [f64; 2] {
+        let springs = Self::springs(memory);
+        [self.tangential.on_contact_end(pair, &springs), self.rolling.on_contact_end(pair, &springs)]
     }
 
     #[inline(always)]
-    fn range(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        self.range_of(pair, memory)
-    }
-
-    fn range_at(&self, reduced_radius: f64) -> f64 {
+    fn largest_range(&self, reduced_radius: f64) -> f64 {
         self.normal.range(reduced_radius)
     }
 
-    fn lost_at_break(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        if N::REACHES && memory.stiffness > 0.0 { self.normal.lost_at_break(pair) } else { 0.0 }
+    fn lost_at_break(&self, pair: &Pair<V>) -> f64 {
+        self.normal.lost_at_break(pair)
     }
 
     #[inline(always)]

@@ -157,8 +157,8 @@ impl Contact {
         *adhesion
     }
 
-    /// Returns whether the law has a term whose kind is a number of the kernel: one kernel serves all such linear laws, and one
-    /// all such laws of Hertz.
+    /// Returns whether the law needs a term whose kind is a number ([`AnyRolling`](crate::contact::rolling::AnyRolling)) or adhesion. The force
+    /// pass is compiled once for all such linear laws, and once for all such laws of Hertz.
     pub(super) fn is_general(&self) -> bool {
         self.adhesion().is_some()
             || self.twisting().is_some()

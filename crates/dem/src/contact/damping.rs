@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::values::{NonNegative, Restitution};
 
-/// The drag coefficient c of the normal force `k delta - c v_n`, in N s/m.
+/// The dashpot coefficient c of the normal force `k delta - c v_n`, in N s/m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Damping {
     /// c = b, N s/m, the same for every pair.
@@ -27,9 +27,9 @@ pub enum Damping {
     Restitution(Restitution),
 }
 
-/// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x. At most one of the terms is nonzero. A sum
-/// avoids a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for normal drag, the normal c for
-/// tangential drag.
+/// A dashpot coefficient, N s/m: constant + per_mass m_eff + per_other x. At most one of the terms is nonzero. A sum
+/// avoids a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for the normal dashpot, the normal c for
+/// the tangential dashpot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Coefficient {
     /// The constant term, N s/m.
@@ -60,7 +60,7 @@ impl Coefficient {
 /// Whether the normal force may pull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, Serialize)]
 pub enum Attraction {
-    /// A contact lasts as long as the overlap; near its end the drag pulls.
+    /// A contact lasts as long as the overlap; near its end the dashpot pulls.
     Allowed,
     /// The normal force is never below zero.
     #[default]

@@ -1,71 +1,35 @@
-//! Force accumulation: adds contact forces and torques to the loads of both particles, starting from their weight. Also
-//! computes the energy lost when a contact ends.
+//! Force accumulation: adds contact forces and torques to the loads of both particles, starting from their weight.
 //!
 //! Numbers that only the energy balance needs are added if the store tracks energy.
 
 use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
-use crate::contact::geometry::{ended_pair, ended_wall_pair};
-use crate::contact::history::EndLosses;
-use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Memory, Pair, PairForce, Turning};
-use crate::neighbours::list::Candidate;
+use crate::contact::law::LawRequirements;
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::{PairForce, Resistance};
 use crate::space::{Linear, Space};
 use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
-
-impl<V: Space> Pass<'_, V> {
-    /// Returns the energy stored in the springs of a contact that has ended, J. It is lost to friction and rolling
-    /// resistance.
-    #[cold]
-    pub(super) fn on_contact_end(&self, store: &ParticleStore<V>, contact: Candidate, memory: &Memory<V>) -> EndLosses {
-        if !store.tracks_energy || memory.is_empty() {
-            return [0.0; 3];
-        }
-        self.lost_at_end(&ended_pair(store, contact, self.dt), memory)
-    }
-
-    /// Returns the energy lost when a contact with a wall ends, J. Returns 0 if the wall is a door that has been
-    /// removed: its removal has already accounted for the energy of all its contacts.
-    #[cold]
-    pub(super) fn on_wall_contact_end(
-        &self,
-        store: &ParticleStore<V>,
-        contact: Candidate,
-        memory: &Memory<V>,
-    ) -> EndLosses {
-        let [i, wall] = contact.both();
-        if !(self.walls[wall].is_present && store.tracks_energy) || memory.is_empty() {
-            return [0.0; 3];
-        }
-        self.lost_at_end(&ended_wall_pair(store, i, &self.walls[wall], self.dt), memory)
-    }
-
-    fn lost_at_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> EndLosses {
-        let [sliding, rolling] = self.law.on_contact_end(pair, memory);
-        [sliding, rolling, self.law.lost_at_break(pair, memory)]
-    }
-}
 
 impl<V: Space> Pair<V> {
     /// Returns the energy that the tangential dashpot dissipates in this step, J.
     #[inline(always)]
-    pub(crate) fn dashpot_loss(&self, turning: &Turning<V>) -> f64 {
-        -turning.friction_drag.dot(self.sliding_velocity(turning.arms)) * self.dt
+    pub(crate) fn dashpot_loss(&self, resistance: &Resistance<V>) -> f64 {
+        -resistance.friction_dashpot.dot(self.sliding_velocity(resistance.arms)) * self.dt
     }
 }
 
 /// Returns the dissipative part of the force on i, N.
 #[inline(always)]
-pub(crate) fn drag<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
-    if L::SPIN { force.drag + force.turning.friction_drag } else { force.drag }
+pub(crate) fn dashpot<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
+    if L::SPIN { force.dashpot + force.resistance.friction_dashpot } else { force.dashpot }
 }
 
 /// Returns the total force on i, N.
 #[inline(always)]
 pub(crate) fn total<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
-    if L::SPIN { force.smooth + force.turning.friction } else { force.smooth }
+    if L::SPIN { force.normal + force.resistance.friction } else { force.normal }
 }
 
 /// Mutable loads of consecutive particles.
@@ -116,6 +80,11 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
         clear(self.rolling_drag, start..end);
         clear(self.contacts, start..end);
     }
+}
+
+/// Reads one number of each entry, which loads the entries into the cache.
+pub(super) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) -> u64 {
+    entries.iter().fold(0, |all, entry| all ^ number(entry).to_bits())
 }
 
 /// Adds numbers to an accumulator entry.
@@ -197,10 +166,10 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
                 }
             }
             if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
-                let drag = output.rolling_drag_torque.get(lane);
-                rolling[first] += drag;
+                let dashpot = output.rolling_dashpot_torque.get(lane);
+                rolling[first] += dashpot;
                 if is_here {
-                    rolling[second] -= drag;
+                    rolling[second] -= dashpot;
                 }
             }
         }
@@ -227,8 +196,8 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
                 subtract(&mut torques[entry], torque);
             }
             if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
-                let drag = output.rolling_drag_torque.get(lane);
-                rolling_drag[entry] += if SIDE == 0 { drag } else { -drag };
+                let dashpot = output.rolling_dashpot_torque.get(lane);
+                rolling_drag[entry] += if SIDE == 0 { dashpot } else { -dashpot };
             }
         }
     }

@@ -6,12 +6,12 @@
 //! For a wall, x_j is its nearest point, R_j is 0 in the overlap, and 1/m_j = 0. Its curvature is the mean curvature of
 //! the surface ([`Nearest`]). A half-space has its own normal, and its distance is negative inside.
 //!
-//! One inverse root gives all lengths (`ContactLine`), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
+//! One inverse root gives all lengths (`ContactLine`), here and in the lanes of a batch (`batch/bodies.rs`). So surveys
 //! of contacts and the force pass agree to the last bit.
 
-use crate::contact::facets::nearest_facets;
-use crate::contact::root::inverse_root;
-use crate::contact::{Pair, VelocityPrediction};
+use crate::contact::facets::{FacetTouch, nearest_facets};
+use crate::contact::inverse_root::inverse_root;
+use crate::contact::pair::{Pair, VelocityPrediction};
 use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
 use crate::space::{COINCIDENT, Linear, PARTED, Space};
@@ -87,11 +87,11 @@ fn nearest_in_memory<V: Space>(surface: &Surface<V>, x: V) -> Nearest<V> {
 }
 
 /// Returns the contact of the particles in slots `i` and `j` if they overlap or are within the range of a contact beyond touch,
-/// and at least one can move. `root` asks for the root of the reduced mass.
+/// and at least one can move. `mass_root` asks for the root of the reduced mass.
 // Always inlined: a `Pair` is large, and returning it through memory would make each contact stall on its own stores.
 #[inline(always)]
 #[must_use]
-pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bool) -> Option<Pair<V>> {
+pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, mass_root: bool) -> Option<Pair<V>> {
     let a = &store.body[i];
     let b = &store.body[j];
     let separation = store.separation(a.position, b.position);
@@ -99,7 +99,7 @@ pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bo
     let squared = separation.length_squared();
     // Written so that a NaN does not touch.
     if squared < reach * reach && !(store.is_fixed(i) && store.is_fixed(j)) {
-        Some(pair_at(store, [i, j], separation, root, 0.0))
+        Some(pair_at(store, [i, j], separation, mass_root, 0.0))
     } else {
         None
     }
@@ -116,7 +116,7 @@ pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, contact: Candidate,
 /// Returns the geometry of two particles that are `separation` (m) apart.
 // Other crates compile it for their surveys. There `slots.map` would be a call, which moves each pair through memory.
 #[inline(always)]
-fn pair_at<V: Space>(store: &ParticleStore<V>, [i, j]: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
+fn pair_at<V: Space>(store: &ParticleStore<V>, [i, j]: [usize; 2], separation: V, mass_root: bool, dt: f64) -> Pair<V> {
     let a = &store.body[i];
     let b = &store.body[j];
     let separation = if separation.length_squared() < COINCIDENT {
@@ -130,19 +130,19 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, [i, j]: [usize; 2], separation: V
         overlap: a.radius + b.radius - distance,
         relative_velocity: a.velocity - b.velocity,
         reduced_mass,
-        root: if root { reduced_mass.sqrt() } else { 0.0 },
+        mass_root: if mass_root { reduced_mass.sqrt() } else { 0.0 },
         radii: [a.radius, b.radius],
         inverse_reach: 1.0 / (a.radius + b.radius),
         spins: [store.spin(i), store.spin(j)],
         species: [store.species[i], store.species[j]],
         dt,
-        lead: store.spring_lead(),
+        springs_ahead: store.springs_ahead(),
         gathered: None,
         ahead: VelocityPrediction::default(),
     }
 }
 
-/// Returns the speed along the normal at which the movable particle in slot `i` and a wall approach or part, m/s. Not inlined:
+/// Returns the speed along the normal at which the free particle in slot `i` and a wall approach or part, m/s. Not inlined:
 /// grains that touch the wall do not need it, and the loop over the walls of a grain is shorter without it.
 #[inline(never)]
 fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, normal: V, distance: f64) -> f64 {
@@ -150,7 +150,7 @@ fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWal
     (store.middle_velocity(i) - of_wall).dot(normal).abs()
 }
 
-/// Returns the nearest point of a wall to the movable particle in slot `i`, if they touch within the time `ahead`, s, or are within
+/// Returns the nearest point of a wall to the free particle in slot `i`, if they touch within the time `ahead`, s, or are within
 /// the range of a contact beyond touch.
 #[inline(always)]
 fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> Option<WallLine<V>> {
@@ -164,17 +164,17 @@ fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<
     (touches && wall.is_present).then_some(beside)
 }
 
-/// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within
-/// the time `ahead`, s. `root` asks for the root of the reduced mass.
+/// Returns the contact of the free particle in slot `i` with a wall that no other wall is near, if they touch within
+/// the time `ahead`, s. `mass_root` asks for the root of the reduced mass.
 #[inline(always)]
 #[must_use]
 pub(crate) fn touching_wall<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
     wall: &SurfaceWall<V>,
-    (root, ahead): (bool, f64),
+    (mass_root, ahead): (bool, f64),
 ) -> Option<Pair<V>> {
-    beside_wall(store, i, wall, ahead).map(|beside| wall_pair_at(store, i, wall, &beside, root, 0.0))
+    beside_wall(store, i, wall, ahead).map(|beside| wall_pair_at(store, i, wall, &beside, mass_root, 0.0))
 }
 
 /// The contacts of one particle with walls.
@@ -190,7 +190,7 @@ impl<V: Space> Default for WallContacts<V> {
 }
 
 impl<V: Space> WallContacts<V> {
-    /// Finds the contacts of the movable particle in slot `i` with the walls `near` it, if they touch within the time `ahead`, s. `follow`
+    /// Finds the contacts of the free particle in slot `i` with the walls `near` it, if they touch within the time `ahead`, s. `follow`
     /// receives each wall whose contact passes to another wall at a seam, and that other wall.
     pub(crate) fn find(
         &mut self,
@@ -217,7 +217,7 @@ impl<V: Space> WallContacts<V> {
         }
     }
 
-    /// Returns the contacts that [`Self::find`] found, each with the index of its wall, ascending. `root` asks for the root of the
+    /// Returns the contacts that [`Self::find`] found, each with the index of its wall, ascending. `mass_root` asks for the root of the
     /// reduced mass.
     #[inline(always)]
     pub(crate) fn pairs(
@@ -225,20 +225,24 @@ impl<V: Space> WallContacts<V> {
         store: &ParticleStore<V>,
         i: usize,
         walls: &[SurfaceWall<V>],
-        root: bool,
+        mass_root: bool,
     ) -> impl Iterator<Item = (usize, Pair<V>)> {
-        let pair = move |index: usize, beside| wall_pair_at(store, i, &walls[index], beside, root, 0.0);
+        let pair = move |index: usize, beside| wall_pair_at(store, i, &walls[index], beside, mass_root, 0.0);
         self.touching.iter().map(move |(index, beside)| (*index, pair(*index, beside)))
     }
 
     /// Leaves out facets of a smooth surface that are not nearest.
     #[cold]
     fn keep_nearest_facets(&mut self, walls: &[SurfaceWall<V>], follow: &mut impl FnMut(usize, usize)) {
-        let touches: Vec<_> =
-            self.touching.iter().map(|(index, beside)| (*index, beside.line.normal, beside.line.distance)).collect();
+        let touch = |(index, beside): &(usize, WallLine<V>)| FacetTouch {
+            index: *index,
+            normal: beside.line.normal,
+            distance: beside.line.distance,
+        };
+        let touches: Vec<_> = self.touching.iter().map(touch).collect();
         let holders = nearest_facets(walls, &touches);
         let left_out = |at: &usize| holders[*at] != *at;
-        (0..touches.len()).filter(left_out).for_each(|at| follow(touches[at].0, touches[holders[at]].0));
+        (0..touches.len()).filter(left_out).for_each(|at| follow(touches[at].index, touches[holders[at]].index));
         let mut at = 0..;
         self.touching.retain(|_| at.next().is_some_and(|at| !left_out(&at)));
     }
@@ -285,20 +289,20 @@ fn walls_repeat<V: Space>(walls: &[SurfaceWall<V>], beside: &[(usize, WallLine<V
     beside.windows(2).any(|pair| walls[pair[0].0].number == walls[pair[1].0].number)
 }
 
-/// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
+/// Returns the geometry of the free particle in slot `i` and a wall that it has just left.
 pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, dt: f64) -> Pair<V> {
     let pair = wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), true, dt);
     Pair { gathered: store.prediction.springs_exact.then(|| store.gathered_with_wall(i, &pair)), ..pair }
 }
 
-/// Returns the geometry of the movable particle in slot `i` and a wall beside it.
+/// Returns the geometry of the free particle in slot `i` and a wall beside it.
 #[inline(always)]
 fn wall_pair_at<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
     wall: &SurfaceWall<V>,
     beside: &WallLine<V>,
-    root: bool,
+    mass_root: bool,
     dt: f64,
 ) -> Pair<V> {
     let body = &store.body[i];
@@ -308,13 +312,13 @@ fn wall_pair_at<V: Space>(
         overlap: body.radius - distance,
         relative_velocity: body.velocity - wall.velocity_at(|| body.position - normal * distance),
         reduced_mass,
-        root: if root { reduced_mass.sqrt() } else { 0.0 },
+        mass_root: if mass_root { reduced_mass.sqrt() } else { 0.0 },
         radii: [body.radius, f64::INFINITY],
         inverse_reach: inverse_reach(body.radius, beside.curvature),
         spins: [store.spin(i), V::Spin::ZERO],
         species: [store.species[i], wall.species],
         dt,
-        lead: store.spring_lead(),
+        springs_ahead: store.springs_ahead(),
         gathered: None,
         ahead: VelocityPrediction::default(),
     }

@@ -17,11 +17,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::Attraction;
+use crate::contact::law::Bounce;
+use crate::contact::pair::Pair;
 use crate::contact::tangential::Modulus;
-use crate::contact::{Bounce, Pair};
 use crate::space::Space;
 use crate::values::{NonNegative, PoissonRatio, Positive, Restitution};
 
@@ -80,9 +81,9 @@ impl Hertz {
 }
 
 impl Normal for Hertz {
-    // `even_drag` takes the mean of delta^(1/4) as its value in the middle times 1 - (w/delta)^2/32. The remainder is
+    // `mean_dashpot_without_events` takes the mean of delta^(1/4) as its value in the middle times 1 - (w/delta)^2/32. The remainder is
     // 0.02 (w/delta)^4 at this ratio, below 1e-5.
-    const EVEN: f64 = 8.0;
+    const OVERLAP_WITHOUT_EVENTS: f64 = 8.0;
     const FADES: bool = true;
 
     #[inline(always)]
@@ -91,21 +92,21 @@ impl Normal for Hertz {
     }
 
     #[inline(always)]
-    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
+    fn dashpot<V: Space>(&self, pair: &Pair<V>) -> f64 {
         2.0 * self.ratio * (self.tangent(pair.reduced_radius(), pair.overlap) * pair.reduced_mass).sqrt()
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
         // c = C delta^(1/4), whose integral is 4/5 C delta^(5/4) = 4/5 c delta.
         let w = window.half_width;
-        let integral = |overlap: f64| 0.8 * self.drag(&pair.at_overlap(overlap)) * overlap.max(0.0);
-        if w > 0.0 { 0.5 * (integral(overlap + w) - integral(overlap - w)) / w } else { self.drag(pair) }
+        let integral = |overlap: f64| 0.8 * self.dashpot(&pair.at_overlap(overlap)) * overlap.max(0.0);
+        if w > 0.0 { 0.5 * (integral(overlap + w) - integral(overlap - w)) / w } else { self.dashpot(pair) }
     }
 
     #[inline(always)]
-    fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64 {
-        drag * (1.0 - (window.half_width / overlap).powi(2) / 32.0)
+    fn mean_dashpot_without_events(&self, dashpot: f64, window: &Window, overlap: f64) -> f64 {
+        dashpot * (1.0 - (window.half_width / overlap).powi(2) / 32.0)
     }
 
     #[inline(always)]
@@ -141,13 +142,13 @@ impl Normal for Hertz {
     }
 }
 
-/// Mindlin's tangential stiffness and drag, for use with [`Hertz`].
+/// Mindlin's tangential stiffness and dashpot coefficient, for use with [`Hertz`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mindlin {
     shear_modulus: f64,
     ratio: f64,
     /// c_t/c, the same at every overlap.
-    drag_share: f64,
+    dashpot_share: f64,
     normal: Hertz,
 }
 
@@ -157,20 +158,25 @@ impl Mindlin {
     pub fn new(materials: [Material; 2], normal: Hertz) -> Self {
         let [a, b] = materials;
         let shear_modulus = a.effective_shear_modulus(b);
-        Self { shear_modulus, ratio: normal.ratio, drag_share: (4.0 * shear_modulus / normal.modulus).sqrt(), normal }
+        Self {
+            shear_modulus,
+            ratio: normal.ratio,
+            dashpot_share: (4.0 * shear_modulus / normal.modulus).sqrt(),
+            normal,
+        }
     }
 }
 
 impl Mindlin {
     /// Returns the term with c_t = `share` c.
     #[must_use]
-    pub fn with_drag_share(self, share: f64) -> Self {
+    pub fn with_dashpot_share(self, share: f64) -> Self {
         // c_t/c = sqrt(k_t/S_n) at equal ratios.
-        Self { ratio: self.ratio * share / self.drag_share, drag_share: share, ..self }
+        Self { ratio: self.ratio * share / self.dashpot_share, dashpot_share: share, ..self }
     }
 }
 
-/// How a scene gives the tangential drag of [`Mindlin`].
+/// How a scene gives the tangential damping of [`Mindlin`].
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum MindlinDamping {
     /// c_t is this fraction of the normal c.
@@ -187,8 +193,8 @@ impl Modulus for Mindlin {
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, _: &Pair<V>, _: f64, normal_drag: f64) -> f64 {
-        self.drag_share * normal_drag
+    fn mean_dashpot<V: Space>(&self, _: &Pair<V>, _: f64, normal_dashpot: f64) -> f64 {
+        self.dashpot_share * normal_dashpot
     }
 
     fn remembered(&self, memory: f64) -> f64 {

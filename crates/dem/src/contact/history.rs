@@ -5,83 +5,41 @@
 //! is discarded. With centred contacts the pass also finds gaps that may close; their memories are empty.
 //!
 //! A contact is stored once, in the row of its lower slot and seen from the particle in that slot. Rows are slots in
-//! ascending order, each with its partners in ascending order. The kernel visits contacts in this order, so a look-up
+//! ascending order, each with its partners in ascending order. The force pass visits contacts in this order, so a look-up
 //! only moves a cursor forward. History blocks have [`BLOCK`] rows each, so that each thread owns whole blocks. After a
 //! renumbering, the blocks are rewritten by the previous slot of each particle.
 
 mod block;
 mod cursor;
+pub(crate) mod losses;
 pub mod remembered;
-
-use std::ops::AddAssign;
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use self::block::HistoryBlock;
 pub use self::cursor::HistoryCursor;
-use crate::contact::{Memory, MemoryParts};
+pub use self::losses::ContactLosses;
+use crate::contact::memory::{Memory, MemoryLayout};
 use crate::neighbours::list::{BLOCK, Candidate};
 use crate::persist::Problem;
-use crate::space::{Plane, Space};
+use crate::space::Space;
 use crate::store::ParticleStore;
 
-/// Energy lost in contacts in one step, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub struct ContactLosses {
-    /// Lost to sliding.
-    pub sliding: f64,
-    /// Lost to rolling beyond the cap.
-    pub rolling: f64,
-    /// Lost to tangential dashpots, computed with the velocities that the force evaluation uses.
-    pub dashpots: f64,
-    /// Lost where contacts beyond touch break.
-    pub breaking: f64,
-}
-
-/// Energies lost where a contact ends, J: with the tangential spring, with the rolling spring, and with the normal force.
-pub(crate) type EndLosses = [f64; 3];
-
-impl ContactLosses {
-    /// Adds the losses of a contact that has ended, J.
-    #[inline]
-    pub(crate) fn add(&mut self, [sliding, rolling, breaking]: EndLosses) {
-        self.sliding += sliding;
-        self.rolling += rolling;
-        self.breaking += breaking;
-    }
-}
-
-impl AddAssign for ContactLosses {
-    fn add_assign(&mut self, more: Self) {
-        self.sliding += more.sliding;
-        self.rolling += more.rolling;
-        self.dashpots += more.dashpots;
-        self.breaking += more.breaking;
-    }
-}
-
 /// The memories of all contacts between particles and with wall surfaces.
-#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
-pub struct History<V: Space = Plane> {
+#[derive(Resource, Clone, Debug, Default, Deserialize, Serialize)]
+pub struct History {
     /// History blocks of contacts between particles.
-    pair_blocks: Vec<HistoryBlock<V>>,
+    pair_blocks: Vec<HistoryBlock>,
     /// History blocks of contacts with wall surfaces; the partner is the index of the wall.
-    wall_blocks: Vec<HistoryBlock<V>>,
+    wall_blocks: Vec<HistoryBlock>,
 }
 
-impl<V: Space> Default for History<V> {
-    fn default() -> Self {
-        Self { pair_blocks: Vec::new(), wall_blocks: Vec::new() }
-    }
-}
-
-impl<V: Space> History<V> {
+impl History {
     /// Returns the memory of the contact between slots `i` and `j`, seen from the lower slot. It is empty, or `None`, if they
     /// do not touch.
     #[must_use]
-    pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory<V>> {
+    pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory> {
         let low = i.min(j);
         self.pair_blocks
             .get(low / BLOCK)?
@@ -90,16 +48,16 @@ impl<V: Space> History<V> {
 
     /// Returns the memory of the contact of slot `i` with a wall surface. It is empty, or `None`, if they do not touch.
     #[must_use]
-    pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
+    pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory> {
         self.wall_blocks.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
     }
 
-    /// Refuses memories that do not fit `rows` particles, `walls` wall surfaces, and a law that keeps `parts`.
-    pub(super) fn check(&self, rows: usize, walls: usize, parts: Option<MemoryParts>) -> Result<(), Problem> {
-        let fit = |blocks: &[HistoryBlock<V>], partners: usize, is_ordered: bool| {
-            let block = |(number, block): (usize, &HistoryBlock<V>)| {
+    /// Refuses memories that do not fit `rows` particles, `walls` wall surfaces, and a law with memories of this layout.
+    pub(super) fn check(&self, rows: usize, walls: usize, layout: Option<&MemoryLayout>) -> Result<(), Problem> {
+        let fit = |blocks: &[HistoryBlock], partners: usize, is_ordered: bool| {
+            let block = |(number, block): (usize, &HistoryBlock)| {
                 let own = number * BLOCK..rows.min((number + 1) * BLOCK);
-                block.fits(own, partners, is_ordered, parts)
+                block.fits(own, partners, is_ordered, layout)
             };
             // Blocks beyond the rows are empty: they are removed by the next pass.
             blocks.iter().enumerate().all(block)
@@ -113,13 +71,13 @@ impl<V: Space> History<V> {
 
     /// Returns a reader of contacts between particles, for look-ups in ascending order.
     #[must_use]
-    pub fn read_pairs(&self) -> HistoryReader<'_, V> {
+    pub fn read_pairs(&self) -> HistoryReader<'_> {
         HistoryReader { blocks: &self.pair_blocks, block: 0, position: 0 }
     }
 
     /// Returns a reader of contacts with wall surfaces, for look-ups in ascending order.
     #[must_use]
-    pub fn read_walls(&self) -> HistoryReader<'_, V> {
+    pub fn read_walls(&self) -> HistoryReader<'_> {
         HistoryReader { blocks: &self.wall_blocks, block: 0, position: 0 }
     }
 
@@ -138,12 +96,12 @@ impl<V: Space> History<V> {
 
     /// Returns the history blocks for the particles of `store`: of contacts between particles, and of contacts with
     /// wall surfaces.
-    pub fn blocks_mut(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
+    pub fn blocks_mut<V: Space>(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock], &mut [HistoryBlock]) {
         (resized(&mut self.pair_blocks, store), resized(&mut self.wall_blocks, store))
     }
 
     /// Moves memories to the slots that a renumbering of `store` has just assigned.
-    pub(super) fn move_to_new_slots(&mut self, store: &ParticleStore<V>, parts: MemoryParts) {
+    pub(super) fn move_to_new_slots<V: Space>(&mut self, store: &ParticleStore<V>, layout: &MemoryLayout) {
         if self.pair_blocks.iter().chain(&self.wall_blocks).all(HistoryBlock::is_empty) {
             return;
         }
@@ -158,7 +116,7 @@ impl<V: Space> History<V> {
         for (contact, mut memory) in self.pair_blocks.iter().flat_map(HistoryBlock::all) {
             if let [Some(i), Some(j)] = contact.both().map(new_slot) {
                 if i > j {
-                    memory = memory.seen_from_partner();
+                    memory = layout.seen_from_partner(&memory);
                 }
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
@@ -170,26 +128,26 @@ impl<V: Space> History<V> {
                 Some((Candidate::new(new_slot(contact.first())?, wall), memory))
             })
             .collect();
-        rewrite(&mut self.pair_blocks, store, pairs, parts);
-        rewrite(&mut self.wall_blocks, store, walls, parts);
+        rewrite(&mut self.pair_blocks, store, pairs, layout);
+        rewrite(&mut self.wall_blocks, store, walls, layout);
     }
 }
 
 /// A reader of memories in ascending order of contacts, faster than [`History::of_pair`] and [`History::of_wall`].
 #[derive(Clone, Debug)]
-pub struct HistoryReader<'a, V: Space = Plane> {
-    blocks: &'a [HistoryBlock<V>],
+pub struct HistoryReader<'a> {
+    blocks: &'a [HistoryBlock],
     /// Index of the block of the last look-up.
     block: usize,
     /// Position of the last look-up in its block.
     position: usize,
 }
 
-impl<V: Space> HistoryReader<'_, V> {
+impl HistoryReader<'_> {
     /// Returns the memory of the contact of slot `i` with a partner: a higher slot, or the index of a wall.
     #[inline]
     #[must_use]
-    pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory<V>> {
+    pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory> {
         let contact = Candidate::new(u32::try_from(i).ok()?, u32::try_from(partner).ok()?);
         if i / BLOCK != self.block {
             (self.block, self.position) = (i / BLOCK, 0);
@@ -199,35 +157,38 @@ impl<V: Space> HistoryReader<'_, V> {
 }
 
 /// Resizes `blocks` to the number of blocks that the particles of `store` need.
-fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock<V>>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock<V>] {
+fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock] {
     blocks.resize_with(store.len().div_ceil(BLOCK), HistoryBlock::default);
     blocks
 }
 
 /// Rewrites all blocks for the particles of `store`, with `contacts`.
 fn rewrite<V: Space>(
-    blocks: &mut Vec<HistoryBlock<V>>,
+    blocks: &mut Vec<HistoryBlock>,
     store: &ParticleStore<V>,
-    mut contacts: Vec<(Candidate, Memory<V>)>,
-    parts: MemoryParts,
+    mut contacts: Vec<(Candidate, Memory)>,
+    layout: &MemoryLayout,
 ) {
     // Most contacts keep their order, and the stable sort is fast on sorted runs.
     contacts.sort_by_key(|(contact, _)| *contact);
     blocks.clear();
     let blocks = resized(blocks, store);
     for (contact, memory) in &contacts {
-        blocks[contact.first() / BLOCK].push(parts, *contact, memory);
+        blocks[contact.first() / BLOCK].push(layout, *contact, memory);
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::contact::memory::{MemoryVariable, Parity};
     use crate::particle::GrainId;
+    use crate::space::Plane;
     use crate::store::{Body, Slot};
 
-    /// The components of a memory of a tangential spring alone.
-    pub const SPRINGS: MemoryParts = MemoryParts { spring: true, rolling: false, twist: false, stiffness: false };
+    /// A vector that changes its sign: a tangential spring.
+    pub const SPRINGS: &MemoryLayout =
+        &MemoryLayout::new::<Plane>(&[MemoryVariable::vector("spring", Parity::Odd)], false);
 
     /// Returns a store of grains of radius 0.5 m with the ids `names`, at x = id and y = 0.5 m, after a renumbering from the ids `before`.
     pub fn store(names: &[u32], before: &[u32]) -> ParticleStore {
@@ -246,12 +207,14 @@ pub(super) mod tests {
     }
 
     pub fn memory(x: f64) -> Memory {
-        Memory { spring: Plane::new(x, 0.0), ..Memory::default() }
+        let mut memory = Memory::default();
+        memory.numbers[0] = x;
+        memory
     }
 
     #[test]
     fn sequential_look_up_agrees_with_search() {
-        let mut page = HistoryBlock::<Plane>::default();
+        let mut page = HistoryBlock::default();
         for (contact, spring) in [([0, 1], 0.1), ([0, 3], 0.2), ([1, 2], 0.3)] {
             page.push(SPRINGS, contact.into(), &memory(spring));
         }
@@ -263,11 +226,11 @@ pub(super) mod tests {
 
     #[test]
     fn a_memory_passes_to_another_wall_without_one() {
-        let springs = |page: &HistoryBlock<Plane>| {
-            page.all().map(|(contact, memory)| (contact.both(), memory.spring.x)).collect::<Vec<_>>()
+        let springs = |page: &HistoryBlock| {
+            page.all().map(|(contact, memory)| (contact.both(), memory.numbers[0])).collect::<Vec<_>>()
         };
         let block = |springs: &[([u32; 2], f64)]| {
-            let mut page = HistoryBlock::<Plane>::default();
+            let mut page = HistoryBlock::default();
             for &(contact, spring) in springs {
                 page.push(SPRINGS, contact.into(), &memory(spring));
             }
@@ -301,12 +264,12 @@ pub(super) mod tests {
         let after = store(&new, &old);
         history.move_to_new_slots(&after, SPRINGS);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
-        let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
+        let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.numbers[0]);
         assert_eq!(spring(10, 29990), Some(-1.5));
         assert_eq!(spring(10230, 10240), Some(-2.5));
         assert_eq!(spring(15000, 15010), Some(-5.2));
         assert_eq!(spring(5, 10), None);
-        assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.spring.x), Some(7.0));
+        assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.numbers[0]), Some(7.0));
         let mut reader = history.read_pairs();
         for [i, j] in history.pair_blocks.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
             assert_eq!(reader.look_up(i, j), history.of_pair(i, j));

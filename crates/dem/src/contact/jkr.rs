@@ -20,18 +20,18 @@
 //! F = pi w R* (8/3 y^6 - 4 y^3): the quartic is solved in closed form.
 //!
 //! Sources: Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301, 1971; Thornton and Ning, Powder Technology 99, 154, 1998.
-//! Limits: LAMMPS breaks the contact at the largest tension instead. Whether a contact exists is remembered with its
-//! tangential stiffness, which is zero in no contact.
+//! Limits: LAMMPS breaks the contact at the largest tension instead.
 
 use std::f64::consts::PI;
 
 use crate::contact::adhesion::integrated_restitution;
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::Attraction;
 use crate::contact::hertz::Material;
+use crate::contact::law::Bounce;
+use crate::contact::pair::Pair;
 use crate::contact::tangential::Modulus;
-use crate::contact::{Bounce, Pair};
 use crate::space::Space;
 use crate::values::{Positive, Restitution};
 
@@ -172,7 +172,7 @@ fn solve(d: f64) -> f64 {
 impl Normal for Jkr {
     // The force changes with the root of the distance from the break. A sum over steps that takes its values there misses
     // 0.2 (2 w)^(3/2) of its integral in units of that root; the mean over each step in the last eight steps leaves 0.007.
-    const EVEN: f64 = 16.0;
+    const OVERLAP_WITHOUT_EVENTS: f64 = 16.0;
     const PULLS: bool = true;
     const REACHES: bool = true;
 
@@ -183,18 +183,18 @@ impl Normal for Jkr {
     }
 
     #[inline(always)]
-    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
+    fn dashpot<V: Space>(&self, pair: &Pair<V>) -> f64 {
         2.0 * self.ratio * (2.0 * self.modulus * self.radius(pair) * pair.reduced_mass).sqrt()
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
-        self.drag(pair) * window.share(overlap)
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
+        self.dashpot(pair) * window.share(overlap)
     }
 
     #[inline(always)]
-    fn even_drag(&self, drag: f64, _: &Window, _: f64) -> f64 {
-        drag
+    fn mean_dashpot_without_events(&self, dashpot: f64, _: &Window, _: f64) -> f64 {
+        dashpot
     }
 
     #[inline(always)]
@@ -262,12 +262,12 @@ impl Normal for Jkr {
     }
 }
 
-/// Tangential stiffness and drag for use with [`Jkr`].
+/// Tangential stiffness and dashpot coefficient for use with [`Jkr`].
 #[derive(Clone, Copy, Debug)]
 pub struct JkrFriction {
     shear_modulus: f64,
     /// c_t/c.
-    drag_share: f64,
+    dashpot_share: f64,
     normal: Jkr,
 }
 
@@ -278,7 +278,7 @@ impl JkrFriction {
         let [a, b] = materials;
         let shear_modulus = a.effective_shear_modulus(b);
         let usual = (4.0 * shear_modulus / normal.modulus).sqrt();
-        Self { shear_modulus, drag_share: share.unwrap_or(usual), normal }
+        Self { shear_modulus, dashpot_share: share.unwrap_or(usual), normal }
     }
 }
 
@@ -287,22 +287,22 @@ impl Modulus for JkrFriction {
     const FADES: bool = false;
 
     #[inline(always)]
-    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
-        (8.0 * self.shear_modulus * self.normal.radius(pair), self.drag_share * normal_drag)
+    fn of<V: Space>(&self, pair: &Pair<V>, normal_dashpot: f64) -> (f64, f64) {
+        (8.0 * self.shear_modulus * self.normal.radius(pair), self.dashpot_share * normal_dashpot)
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, _: &Pair<V>, _: f64, normal_drag: f64) -> f64 {
-        self.drag_share * normal_drag
+    fn mean_dashpot<V: Space>(&self, _: &Pair<V>, _: f64, normal_dashpot: f64) -> f64 {
+        self.dashpot_share * normal_dashpot
     }
 
     fn remembered(&self, memory: f64) -> f64 {
         memory
     }
 
-    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
+    fn at(&self, bounce: &Bounce, normal_dashpot: f64) -> [f64; 2] {
         let [y, a0] = self.normal.deepest_state(bounce);
-        [8.0 * self.shear_modulus * a0 * y * y, self.drag_share * normal_drag]
+        [8.0 * self.shear_modulus * a0 * y * y, self.dashpot_share * normal_dashpot]
     }
 }
 

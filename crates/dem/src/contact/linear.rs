@@ -4,10 +4,11 @@
 //! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979. The same normal force is used in
 //! soft-particle codes and in LAMMPS's `hooke`.
 
-use crate::contact::centred::Window;
+use crate::contact::centred::window::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::{Attraction, Coefficient, Damping};
-use crate::contact::{Bounce, Pair};
+use crate::contact::law::Bounce;
+use crate::contact::pair::Pair;
 use crate::space::Space;
 use crate::values::Positive;
 
@@ -16,7 +17,7 @@ use crate::values::Positive;
 pub struct LinearNormal {
     k: f64,
     /// c, as a function of m_eff and its root.
-    drag: Coefficient,
+    dashpot: Coefficient,
     attraction: Attraction,
     floor: f64,
 }
@@ -26,30 +27,30 @@ impl LinearNormal {
     #[must_use]
     pub fn new(k: Positive, damping: Damping, attraction: Attraction) -> Self {
         let k = k.get();
-        let drag = match damping {
+        let dashpot = match damping {
             Damping::B(b) => Coefficient { constant: b.get(), ..Coefficient::default() },
             Damping::PerMass(gamma) => Coefficient { per_mass: gamma.get(), ..Coefficient::default() },
             Damping::Restitution(e) => {
                 Coefficient { per_other: 2.0 * attraction.damping_ratio(e) * k.sqrt(), ..Coefficient::default() }
             }
         };
-        Self { k, drag, attraction, floor: attraction.floor() }
+        Self { k, dashpot, attraction, floor: attraction.floor() }
     }
 
     #[inline(always)]
     fn coefficient<V: Space>(&self, pair: &Pair<V>) -> f64 {
-        self.drag.of(pair.reduced_mass, pair.root)
+        self.dashpot.of(pair.reduced_mass, pair.mass_root)
     }
 
     fn damping_ratio(&self, reduced_mass: f64) -> f64 {
-        self.drag.of(reduced_mass, reduced_mass.sqrt()) / (2.0 * (self.k * reduced_mass).sqrt())
+        self.dashpot.of(reduced_mass, reduced_mass.sqrt()) / (2.0 * (self.k * reduced_mass).sqrt())
     }
 }
 
 impl Normal for LinearNormal {
     const RADII: bool = false;
     // From this overlap on, the contact exists during the whole previous step, too.
-    const EVEN: f64 = 3.0;
+    const OVERLAP_WITHOUT_EVENTS: f64 = 3.0;
 
     #[inline(always)]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
@@ -57,18 +58,18 @@ impl Normal for LinearNormal {
     }
 
     #[inline(always)]
-    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
+    fn dashpot<V: Space>(&self, pair: &Pair<V>) -> f64 {
         self.coefficient(pair)
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
         self.coefficient(pair) * window.share(overlap)
     }
 
     #[inline(always)]
-    fn even_drag(&self, drag: f64, _: &Window, _: f64) -> f64 {
-        drag
+    fn mean_dashpot_without_events(&self, dashpot: f64, _: &Window, _: f64) -> f64 {
+        dashpot
     }
 
     #[inline(always)]
@@ -77,7 +78,7 @@ impl Normal for LinearNormal {
     }
 
     fn needs_mass_root(&self) -> bool {
-        self.drag.per_other > 0.0
+        self.dashpot.per_other > 0.0
     }
 
     fn energy<V: Space>(&self, pair: &Pair<V>) -> f64 {
@@ -89,7 +90,7 @@ impl Normal for LinearNormal {
     }
 
     fn damping(&self, bounce: &Bounce) -> f64 {
-        self.drag.of(bounce.reduced_mass, bounce.reduced_mass.sqrt())
+        self.dashpot.of(bounce.reduced_mass, bounce.reduced_mass.sqrt())
     }
 
     fn deepest(&self, bounce: &Bounce) -> f64 {
@@ -110,10 +111,12 @@ impl Normal for LinearNormal {
 mod tests {
     use super::*;
     use crate::contact::composite::Composite;
+    use crate::contact::law::PairLaw;
+    use crate::contact::memory::Memory;
+    use crate::contact::pair::tests::pair;
+    use crate::contact::pair_force::PairForce;
     use crate::contact::rolling::NoRolling;
     use crate::contact::tangential::NoFriction;
-    use crate::contact::tests::pair;
-    use crate::contact::{Memory, PairForce, PairLaw};
     use crate::space::Vector;
     use crate::values::NonNegative;
 
@@ -127,9 +130,9 @@ mod tests {
     #[test]
     fn a_separating_pair_pulls_only_if_attraction_is_allowed() {
         let pulled = separating_force(Attraction::Allowed);
-        assert_eq!(pulled.smooth, Vector::new(-90.0, 0.0));
+        assert_eq!(pulled.normal, Vector::new(-90.0, 0.0));
         let cut = separating_force(Attraction::Forbidden);
-        assert_eq!(cut.smooth, Vector::ZERO);
+        assert_eq!(cut.normal, Vector::ZERO);
     }
 
     #[test]

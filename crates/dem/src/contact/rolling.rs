@@ -15,9 +15,12 @@ use serde::{Deserialize, Serialize};
 
 pub use self::any::{AnyRolling, RollingKeys, RollingKind};
 
+use crate::contact::centred::normal_load::NormalLoad;
+use crate::contact::law::Bounce;
+use crate::contact::pair::{Pair, VelocityPrediction};
+use crate::contact::pair_force::Resistance;
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
-use crate::contact::tangential::NormalLoad;
-use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
+use crate::contact::spring_memory::SpringMemory;
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
@@ -32,7 +35,7 @@ pub struct RollingResistance {
     pub friction: NonNegative,
 }
 
-/// How a scene gives the drag coefficient of rolling, N s/m.
+/// How a scene gives the dashpot coefficient of rolling, N s/m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum RollingDamping {
     /// c = b, N s/m.
@@ -54,32 +57,38 @@ impl RollingDamping {
 
 /// A term of rolling resistance.
 pub trait Rolling: Copy + Send + Sync + 'static {
-    /// Whether the term needs [`Memory::rolling`].
+    /// Whether the term needs [`SpringMemory::rolling`].
     const ROLLING: bool;
-    /// Whether the term needs [`Memory::twist`].
+    /// Whether the term needs [`SpringMemory::twist`].
     const TWISTING: bool = false;
 
     /// Adds the torque; `normal_force` in N.
-    fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>);
+    fn add<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        normal_force: f64,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
+    );
 
     /// Adds the torque averaged over the step: [`super::centred`].
     fn add_centred<V: Space>(
         &self,
         pair: &Pair<V>,
         load: &NormalLoad,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     );
 
     /// Returns the stored energy, J.
-    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64;
 
-    /// Returns stiffness (N/m) and drag coefficient (N s/m) of rolling and of twisting. `tangential` is the stiffness of friction, N/m.
+    /// Returns stiffness (N/m) and dashpot coefficient (N s/m) of rolling and of twisting. `tangential` is the stiffness of friction, N/m.
     fn modes(&self, bounce: &Bounce, tangential: f64) -> [[f64; 2]; 2];
 
     /// Returns the energy lost at the end of a contact, J; see
     /// [`PairLaw::on_contact_end`](crate::contact::PairLaw::on_contact_end).
-    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64;
 }
 
 /// Returns v_r = R_eff (w_i - w_j) x n, m/s.
@@ -91,18 +100,18 @@ fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
 /// Returns the mobilities of rolling, 1/kg: R_eff^2/I summed over i and j, then only over lone grains.
 #[inline(always)]
 pub(super) fn mobilities<V: Space>(pair: &Pair<V>) -> [f64; 2] {
-    let VelocityPrediction { inverse_inertias: [i, j], only_contact, .. } = pair.ahead;
+    let VelocityPrediction { inverse_inertias: [i, j], lone, .. } = pair.ahead;
     let squared = pair.reduced_radius().powi(2);
-    [squared * (i + j), squared * (only_contact[0] * i + only_contact[1] * j)]
+    [squared * (i + j), squared * (lone[0] * i + lone[1] * j)]
 }
 
 /// Sets the torques of a rolling force with arm R_eff.
 #[inline(always)]
-fn set_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, turning: &mut Turning<V>) {
+fn set_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, resistance: &mut Resistance<V>) {
     let arm = pair.normal * pair.reduced_radius();
-    turning.rolling = arm.cross(pull.force);
-    turning.rolling_drag = arm.cross(pull.drag);
-    turning.lost_by_rolling = pull.lost;
+    resistance.rolling = arm.cross(pull.force);
+    resistance.rolling_dashpot = arm.cross(pull.dashpot);
+    resistance.lost_by_rolling = pull.lost;
 }
 
 /// No rolling resistance.
@@ -113,12 +122,12 @@ impl Rolling for NoRolling {
     const ROLLING: bool = false;
 
     #[inline(always)]
-    fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
+    fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: &mut SpringMemory<V>, _: &mut Resistance<V>) {}
 
     #[inline(always)]
-    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut Memory<V>, _: &mut Turning<V>) {}
+    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut SpringMemory<V>, _: &mut Resistance<V>) {}
 
-    fn energy<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
+    fn energy<V: Space>(&self, _: &Pair<V>, _: &SpringMemory<V>) -> f64 {
         0.0
     }
 
@@ -126,7 +135,7 @@ impl Rolling for NoRolling {
         [[0.0; 2]; 2]
     }
 
-    fn on_contact_end<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, _: &Pair<V>, _: &SpringMemory<V>) -> f64 {
         0.0
     }
 }
@@ -135,12 +144,18 @@ impl Rolling for RollingResistance {
     const ROLLING: bool = true;
 
     #[inline(always)]
-    fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+    fn add<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        normal_force: f64,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
+    ) {
         let velocities = [pair, &pair.gathering()].map(rolling_velocity);
-        let drag = self.damping.of(pair.reduced_mass);
-        let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
-        let pull = slider.pull(&mut memory.rolling, velocities, pair.normal, [pair.dt, pair.lead]);
-        set_torques(pair, &pull, turning);
+        let dashpot = self.damping.of(pair.reduced_mass);
+        let slider = Slider { stiffness: self.k.get(), dashpot, cap: self.friction.get() * normal_force.abs() };
+        let pull = slider.pull(&mut memory.rolling, velocities, pair.normal, [pair.dt, pair.springs_ahead]);
+        set_torques(pair, &pull, resistance);
     }
 
     #[inline(always)]
@@ -148,43 +163,43 @@ impl Rolling for RollingResistance {
         &self,
         pair: &Pair<V>,
         load: &NormalLoad,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     ) {
-        let drag = self.damping.of(pair.reduced_mass);
+        let dashpot = self.damping.of(pair.reduced_mass);
         let friction = self.friction.get();
-        let slider = Slider { stiffness: self.k.get(), drag, cap: friction * load.whole.abs() };
+        let slider = Slider { stiffness: self.k.get(), dashpot, cap: friction * load.whole.abs() };
         let middle = rolling_velocity(pair);
         let mobilities = mobilities(pair);
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.lead]);
+        memory.rolling = at_evaluation(memory.rolling, motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.rolling * -slider.stiffness;
-        sweep.mean_drags = load.mean_drags(|share, _| drag * share);
-        let modulus = |_: &Pair<V>| (slider.stiffness, drag);
+        sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
+        let modulus = |_: &Pair<V>| (slider.stiffness, dashpot);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, friction, modulus));
         let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
-        set_torques(pair, &pull, turning);
+        set_torques(pair, &pull, resistance);
     }
 
-    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.lead).length_squared()
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
+        0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.springs_ahead).length_squared()
     }
 
     fn modes(&self, bounce: &Bounce, _: f64) -> [[f64; 2]; 2] {
         [[self.k.get(), self.damping.of(bounce.reduced_mass)], [0.0; 2]]
     }
 
-    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = rolling_velocity(&pair.gathering());
-        lost_at_contact_end(self.k.get(), memory.rolling - velocity * pair.lead, velocity, pair.dt)
+        lost_at_contact_end(self.k.get(), memory.rolling - velocity * pair.springs_ahead, velocity, pair.dt)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::tests::pair;
+    use crate::contact::pair::tests::pair;
     use crate::space::Vector;
 
     #[test]
@@ -197,10 +212,10 @@ mod tests {
         let of_i = Pair { normal: Vector::Y, spins: [3.0, -1.0], ..pair() };
         let of_j = Pair { normal: -of_i.normal, spins: [of_i.spins[1], of_i.spins[0]], ..of_i };
         let mut on = [of_i, of_j].map(|pair| {
-            let mut memory = Memory::default();
-            let mut turning = Turning::default();
-            law.add(&pair, 100.0, &mut memory, &mut turning);
-            (turning.rolling, memory.rolling)
+            let mut memory = SpringMemory::default();
+            let mut resistance = Resistance::default();
+            law.add(&pair, 100.0, &mut memory, &mut resistance);
+            (resistance.rolling, memory.rolling)
         });
         assert!(on[0].0 < 0.0);
         on[1].0 = -on[1].0;

@@ -1,18 +1,19 @@
-//! The law of a scene as a type: the only place that selects the laws for which the kernel is compiled.
+//! The law of a scene as a type: the only place that selects the laws for which the force pass is compiled.
 
 use std::sync::Arc;
 
 use crate::contact::adhesion::{Adhesion, Adhesive};
 use crate::contact::assignment::Assignment;
+use crate::contact::batch_law::AnyLaw;
 use crate::contact::composite::{Composite, Normal};
 use crate::contact::config::{Contact, Friction, HertzFriction, PairOfSpecies};
 use crate::contact::hertz::{Hertz, Material, Mindlin, MindlinDamping};
 use crate::contact::jkr::{Jkr, JkrFriction};
+use crate::contact::law::{LawRequirements, PairLaw};
 use crate::contact::linear::LinearNormal;
 use crate::contact::rolling::{AnyRolling, NoRolling, RollingResistance};
 use crate::contact::table::PairTable;
 use crate::contact::tangential::{ConstantStiffness, Dashpot, Lever, NoFriction, SpringSlider};
-use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::space::{Plane, Space};
 
 /// The contact laws of a scene, checked by the rules of the scene.
@@ -31,20 +32,20 @@ pub struct Contacts<'a> {
 }
 
 /// Receives the law of a scene with its concrete type.
-pub trait LawVisitor<V: Space> {
-    /// The result of the visit.
+pub trait LawReceiver<V: Space> {
+    /// The result.
     type Output;
 
     /// Receives the law.
-    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) -> Self::Output;
+    fn receive<L: PairLaw<V> + LawRequirements>(self, law: L) -> Self::Output;
 }
 
 struct Erase;
 
-impl<V: Space> LawVisitor<V> for Erase {
+impl<V: Space> LawReceiver<V> for Erase {
     type Output = AnyLaw<V>;
 
-    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) -> AnyLaw<V> {
+    fn receive<L: PairLaw<V> + LawRequirements>(self, law: L) -> AnyLaw<V> {
         AnyLaw(Arc::new(law))
     }
 }
@@ -53,37 +54,43 @@ impl<V: Space> LawVisitor<V> for Erase {
 const SAME_KIND: &str = "all pairs have the same kind of law";
 
 impl Contacts<'_> {
-    /// Passes the law of the scene to `visitor`. This is the only place that selects the law types of compiled kernels.
-    pub fn visit<V: Space, R: LawVisitor<V>>(&self, visitor: R) -> R::Output {
+    /// Passes the law of the scene to `receiver`. This is the only place that selects the laws for which the force pass is compiled.
+    pub fn pass_to<V: Space, R: LawReceiver<V>>(&self, receiver: R) -> R::Output {
         match self.usual {
-            Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
+            Contact::Assignment { .. } => receiver.receive(self.table(|a, b| self.assignment(a, b))),
             Contact::Linear { .. } if self.usual.is_general() => {
-                visitor.take(self.table(|a, b| self.general_linear(a, b)))
+                receiver.receive(self.table(|a, b| self.general_linear(a, b)))
             }
-            Contact::Hertz { adhesion: Some(Adhesion::Jkr(_)), .. } => visitor.take(self.table(|a, b| self.jkr(a, b))),
+            Contact::Hertz { adhesion: Some(Adhesion::Jkr(_)), .. } => {
+                receiver.receive(self.table(|a, b| self.jkr(a, b)))
+            }
             Contact::Hertz { .. } if self.usual.is_general() => {
-                visitor.take(self.table(|a, b| self.general_hertz(a, b)))
+                receiver.receive(self.table(|a, b| self.general_hertz(a, b)))
             }
             Contact::Linear { tangential: None, .. } => {
-                visitor.take(self.table(|a, b| frictionless(self.linear(a, b).normal)))
+                receiver.receive(self.table(|a, b| frictionless(self.linear(a, b).normal)))
             }
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
-                visitor.take(self.table(|a, b| self.dashpot(a, b)))
+                receiver.receive(self.table(|a, b| self.dashpot(a, b)))
             }
             Contact::Linear { rolling: None, .. } => {
-                visitor.take(self.table(|a, b| self.spring_friction(a, b, NoRolling)))
+                receiver.receive(self.table(|a, b| self.spring_friction(a, b, NoRolling)))
             }
-            Contact::Linear { .. } => visitor.take(self.table(|a, b| self.spring_friction(a, b, self.rolling(a, b)))),
-            Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| frictionless(self.hertz(a, b)))),
-            Contact::Hertz { rolling: None, .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, NoRolling))),
-            Contact::Hertz { .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, self.rolling(a, b)))),
+            Contact::Linear { .. } => {
+                receiver.receive(self.table(|a, b| self.spring_friction(a, b, self.rolling(a, b))))
+            }
+            Contact::Hertz { tangential: None, .. } => {
+                receiver.receive(self.table(|a, b| frictionless(self.hertz(a, b))))
+            }
+            Contact::Hertz { rolling: None, .. } => receiver.receive(self.table(|a, b| self.mindlin(a, b, NoRolling))),
+            Contact::Hertz { .. } => receiver.receive(self.table(|a, b| self.mindlin(a, b, self.rolling(a, b)))),
         }
     }
 
     /// Returns the law as a trait object, for estimates before a run, which are the same in both spaces.
     #[must_use]
     pub fn any(&self) -> AnyLaw<Plane> {
-        self.visit(Erase)
+        self.pass_to(Erase)
     }
 
     /// Returns the law of a single species pair, as [`Self::any`] does.
@@ -197,7 +204,7 @@ impl Contacts<'_> {
     /// Returns the largest range of a contact beyond touch at a reduced radius (m), m.
     #[must_use]
     pub fn range(&self, reduced_radius: f64) -> f64 {
-        self.any().0.range_at(reduced_radius)
+        self.any().0.largest_range(reduced_radius)
     }
 
     /// Returns the materials of two species.
@@ -221,7 +228,7 @@ impl Contacts<'_> {
         let usual = Mindlin::new(self.materials(a, b), normal);
         let modulus = match damping {
             None => usual,
-            Some(MindlinDamping::OfNormal(share)) => usual.with_drag_share(share.get()),
+            Some(MindlinDamping::OfNormal(share)) => usual.with_dashpot_share(share.get()),
         };
         Composite { normal, tangential: SpringSlider { modulus, friction: friction.get(), lever }, rolling }
     }

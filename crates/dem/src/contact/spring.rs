@@ -13,12 +13,10 @@
 //! In velocity Verlet the spring takes k (S_old + S_new)/2 . v dt from the motion in a step, with v at the half step.
 //! The part that is not stored is lost: k (S_old + S_new)/2 . (S_old + v dt - S_new). This is exact for a straight
 //! slide, and includes the energy lost when the spring turns. The energy balance computes the dissipation of the
-//! dashpot with the particle velocities at the full step (module `energy` of `siloflow`). [`centred`] has the slider of contacts near
+//! dashpot with the particle velocities at the full step (module `energy` of `siloflow`). [`slider`](crate::contact::centred::slider) has the slider of contacts near
 //! an event.
 
-pub mod centred;
-
-use crate::contact::centred::cut;
+use crate::contact::centred::window::cut;
 use crate::space::Space;
 
 /// A spring-dashpot with a cap on its force.
@@ -27,7 +25,7 @@ pub struct Slider {
     /// k, N/m.
     pub stiffness: f64,
     /// c, N s/m.
-    pub drag: f64,
+    pub dashpot: f64,
     /// Largest force, N.
     pub cap: f64,
 }
@@ -38,7 +36,7 @@ pub struct SliderForce<V> {
     /// F, N.
     pub force: V,
     /// The part -c v, N.
-    pub drag: V,
+    pub dashpot: V,
     /// Energy lost other than in the dashpot, J.
     pub lost: f64,
     /// Whether the force is at its cap.
@@ -47,7 +45,7 @@ pub struct SliderForce<V> {
 
 impl Slider {
     /// Advances `spring` (m) by the velocity `gathered` (m/s) for `dt` (s) and returns the force, with the dashpot at `velocity`
-    /// (m/s). `spring` is `lead` (s) ahead of the evaluation, by `velocity`. `normal` is the normal of the tangent plane.
+    /// (m/s). `spring` is `springs_ahead` (s) ahead of the evaluation, by `velocity`. `normal` is the normal of the tangent plane.
     #[inline(always)]
     #[must_use]
     pub fn pull<V: Space>(
@@ -55,30 +53,34 @@ impl Slider {
         spring: &mut V,
         [velocity, gathered]: [V; 2],
         normal: V,
-        [dt, lead]: [f64; 2],
+        [dt, springs_ahead]: [f64; 2],
     ) -> SliderForce<V> {
         let before = *spring;
         let moved = before + gathered * dt;
         let mut after = moved - normal * moved.dot(normal);
-        // The force beside that of the stored spring, which is ahead: -k (S - v lead) - c v = -k S + (k lead - c) v.
-        let beside = velocity * (self.stiffness * lead - self.drag);
+        // The force beside that of the stored spring, which is ahead: -k (S - v t) - c v = -k S + (k t - c) v.
+        let beside = velocity * (self.stiffness * springs_ahead - self.dashpot);
         let (is_sliding, force) = cut(after * -self.stiffness + beside, self.cap);
         if is_sliding {
             after = (force - beside) * (-1.0 / self.stiffness);
         }
         *spring = after;
-        // A lead of zero is known to the compiler. In step zero a spring only gets ahead.
-        let both_ahead = if lead > 0.0 { velocity * (lead + lead.min(dt - lead)) } else { V::ZERO };
+        // That this time is zero is known to the compiler. In step zero a spring only gets ahead.
+        let both_ahead = if springs_ahead > 0.0 {
+            velocity * (springs_ahead + springs_ahead.min(dt - springs_ahead))
+        } else {
+            V::ZERO
+        };
         let lost = 0.5 * self.stiffness * (before + after - both_ahead).dot(moved - after);
-        SliderForce { force, drag: velocity * -self.drag, lost, is_sliding }
+        SliderForce { force, dashpot: velocity * -self.dashpot, lost, is_sliding }
     }
 }
 
-/// Returns the spring at the beginning of the step, m, from the stored spring, which is `lead` (s) ahead of it. `motion` is
+/// Returns the spring at the beginning of the step, m, from the stored spring, which is `springs_ahead` (s) ahead of it. `motion` is
 /// the velocity in the middle of the step and its gain until the end, m/s. A new contact has no spring.
 #[inline(always)]
-pub(super) fn at_evaluation<V: Space>(spring: V, [middle, gained]: [V; 2], lead: f64) -> V {
-    if spring == V::ZERO { spring } else { spring - (middle - gained) * lead }
+pub(super) fn at_evaluation<V: Space>(spring: V, [middle, gained]: [V; 2], springs_ahead: f64) -> V {
+    if spring == V::ZERO { spring } else { spring - (middle - gained) * springs_ahead }
 }
 
 /// Returns the energy lost with the spring of an ended contact, J. `stiffness` in N/m; `velocity` (m/s) is the velocity
@@ -92,7 +94,7 @@ mod tests {
     use super::*;
     use crate::space::Solid;
 
-    const SLIDER: Slider = Slider { stiffness: 1e4, drag: 3.0, cap: 2.0 };
+    const SLIDER: Slider = Slider { stiffness: 1e4, dashpot: 3.0, cap: 2.0 };
 
     #[test]
     fn slider_sticks_below_the_cap_and_slides_at_it() {
@@ -119,7 +121,7 @@ mod tests {
             let angle = 0.02 * f64::from(step);
             let velocity = Solid::new(0.6 * angle.sin(), 0.2 * (2.0 * angle).cos(), 0.0);
             let pull = SLIDER.pull(&mut spring, [velocity; 2], Solid::Z, [dt, 0.0]);
-            let elastic = pull.force - pull.drag;
+            let elastic = pull.force - pull.dashpot;
             taken -= 0.5 * dt * (before + elastic).dot(velocity);
             before = elastic;
             lost += pull.lost;

@@ -4,7 +4,10 @@
 //! numbers use the last entry. The kind of law is the same for all pairs and compiled in; only parameters are looked
 //! up.
 
-use crate::contact::{Bounce, LawRequirements, LawVisitor, Memory, Pair, PairForce, PairLaw};
+use crate::contact::law::{Bounce, LawComputation, LawRequirements, PairLaw};
+use crate::contact::memory::{Memory, MemoryVariable};
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::PairForce;
 use crate::particle::Species;
 use crate::space::Space;
 
@@ -40,24 +43,22 @@ impl<L> PairTable<L> {
 
 impl<L: LawRequirements> LawRequirements for PairTable<L> {
     const SPIN: bool = L::SPIN;
+    const ROLLING: bool = L::ROLLING;
     const SPECIES: bool = true;
     const RADII: bool = L::RADII;
-    const SPRING: bool = L::SPRING;
-    const ROLLING: bool = L::ROLLING;
-    const TWISTING: bool = L::TWISTING;
-    const STIFFNESS: bool = L::STIFFNESS;
+    const MEMORY: &'static [MemoryVariable] = L::MEMORY;
     const PULLS: bool = L::PULLS;
     const REACHES: bool = L::REACHES;
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
     #[inline(always)]
-    fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+    fn force(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V> {
         self.of(pair.species).force(pair, memory)
     }
 
     #[inline(always)]
-    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+    fn centred(&self, pair: &Pair<V>, memory: &mut Memory) -> PairForce<V> {
         self.of(pair.species).centred(pair, memory)
     }
 
@@ -66,33 +67,33 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
     }
 
     #[inline]
-    fn between<W: LawVisitor<V>>(&self, species: [Species; 2], visitor: W) -> W::Output {
-        visitor.visit(self.of(species))
+    fn between<C: LawComputation<V>>(&self, species: [Species; 2], computation: C) -> C::Output {
+        computation.run(self.of(species))
     }
 
-    fn even_from(&self) -> f64 {
-        self.largest(PairLaw::even_from)
+    fn overlap_without_events(&self) -> f64 {
+        self.largest(PairLaw::overlap_without_events)
     }
 
-    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory) -> f64 {
         self.of(pair.species).elastic_energy(pair, memory)
     }
 
-    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory) -> [f64; 2] {
         self.of(pair.species).on_contact_end(pair, memory)
     }
 
     #[inline(always)]
-    fn range(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        self.of(pair.species).range(pair, memory)
+    fn range(&self, pair: &Pair<V>) -> f64 {
+        self.of(pair.species).range(pair)
     }
 
-    fn range_at(&self, reduced_radius: f64) -> f64 {
-        self.largest(|law| law.range_at(reduced_radius))
+    fn largest_range(&self, reduced_radius: f64) -> f64 {
+        self.largest(|law| law.largest_range(reduced_radius))
     }
 
-    fn lost_at_break(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        self.of(pair.species).lost_at_break(pair, memory)
+    fn lost_at_break(&self, pair: &Pair<V>) -> f64 {
+        self.of(pair.species).lost_at_break(pair)
     }
 
     #[inline(always)]
@@ -143,7 +144,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
 mod tests {
     use super::*;
     use crate::contact::assignment::Assignment;
-    use crate::contact::tests::pair;
+    use crate::contact::pair::tests::pair;
 
     #[test]
     fn law_does_not_depend_on_the_order_of_species() {

@@ -13,17 +13,19 @@
 //! [`Modulus`].
 
 mod dashpot;
-mod load;
 mod spring_slider;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::dashpot::Dashpot;
-pub use self::load::{NormalLoad, Unloading};
 pub(super) use self::spring_slider::mean_of;
 pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::damping::Coefficient;
-use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
+use crate::contact::law::Bounce;
+use crate::contact::pair::{Pair, VelocityPrediction};
+use crate::contact::pair_force::Resistance;
+use crate::contact::spring_memory::SpringMemory;
 use crate::space::Space;
 use crate::values::NonNegative;
 
@@ -55,7 +57,7 @@ impl Lever {
     }
 }
 
-/// How a scene gives the drag coefficient c_t of the tangential force, N s/m.
+/// How a scene gives the dashpot coefficient c_t of the tangential force, N s/m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum TangentialDamping {
     /// c_t = b, N s/m.
@@ -83,9 +85,9 @@ impl<V: Space> Pair<V> {
     #[inline(always)]
     fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
         let middle = self.sliding_velocity(arms);
-        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, only_contact, .. } = self.ahead;
+        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, lone, .. } = self.ahead;
         let [a, b] = [m[0] + arms[0] * arms[0] * i[0], m[1] + arms[1] * arms[1] * i[1]];
-        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, only_contact[0] * a + only_contact[1] * b])
+        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, lone[0] * a + lone[1] * b])
     }
 }
 
@@ -93,19 +95,19 @@ impl<V: Space> Pair<V> {
 pub trait Tangential: Copy + Send + Sync + 'static {
     /// Whether the term exerts torques.
     const SPIN: bool = true;
-    /// Whether the term needs [`Memory::spring`].
+    /// Whether the term needs [`SpringMemory::spring`].
     const SPRING: bool = false;
-    /// Whether the term needs [`Memory::stiffness`].
+    /// Whether the term needs [`SpringMemory::stiffness`].
     const STIFFNESS: bool = false;
 
-    /// Adds friction; `normal_force` (N) and `normal_drag` (N s/m) belong to the normal force.
+    /// Adds friction; `normal_force` (N) and `normal_dashpot` (N s/m) belong to the normal force.
     fn add<V: Space>(
         &self,
         pair: &Pair<V>,
         normal_force: f64,
-        normal_drag: f64,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        normal_dashpot: f64,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     );
 
     /// Adds friction averaged over the step: [`super::centred`].
@@ -113,24 +115,24 @@ pub trait Tangential: Copy + Send + Sync + 'static {
         &self,
         pair: &Pair<V>,
         load: &NormalLoad,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     );
 
     /// Returns the stored energy, J.
-    fn energy<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
+    fn energy<V: Space>(&self, _pair: &Pair<V>, _memory: &SpringMemory<V>) -> f64 {
         0.0
     }
 
     /// Returns the energy lost at the end of a contact, J; see
     /// [`PairLaw::on_contact_end`](crate::contact::PairLaw::on_contact_end).
-    fn on_contact_end<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, _pair: &Pair<V>, _memory: &SpringMemory<V>) -> f64 {
         0.0
     }
 
-    /// Returns stiffness (N/m) and drag coefficient (N s/m) at the deepest point of a bounce; `normal_drag` is the
+    /// Returns stiffness (N/m) and dashpot coefficient (N s/m) at the deepest point of a bounce; `normal_dashpot` is the
     /// normal c.
-    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
+    fn mode(&self, bounce: &Bounce, normal_dashpot: f64) -> [f64; 2];
 
     /// Returns the coefficient mu.
     fn friction(&self) -> f64;
@@ -144,10 +146,10 @@ impl Tangential for NoFriction {
     const SPIN: bool = false;
 
     #[inline(always)]
-    fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
+    fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: f64, _: &mut SpringMemory<V>, _: &mut Resistance<V>) {}
 
     #[inline(always)]
-    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut Memory<V>, _: &mut Turning<V>) {}
+    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut SpringMemory<V>, _: &mut Resistance<V>) {}
 
     fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
         [0.0, 0.0]
@@ -162,7 +164,7 @@ impl Tangential for NoFriction {
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
-    use crate::contact::tests::pair;
+    use crate::contact::pair::tests::pair;
     use crate::space::Vector;
 
     #[test]

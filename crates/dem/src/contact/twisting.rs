@@ -12,10 +12,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::centred::normal_load::NormalLoad;
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::Resistance;
 use crate::contact::rolling::{RollingDamping, mobilities};
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
-use crate::contact::tangential::NormalLoad;
-use crate::contact::{Memory, Pair, Turning};
+use crate::contact::spring_memory::SpringMemory;
 use crate::space::{Linear, Plane, Space};
 use crate::values::{NonNegative, Positive};
 
@@ -56,19 +58,19 @@ impl Twisting {
         &self,
         pair: &Pair<V>,
         normal_force: f64,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     ) {
         if V::COMPONENTS == 2 {
             return;
         }
         let mut spring = along(memory.twist);
-        let drag = self.damping.of(pair.reduced_mass);
-        let slider = Slider { stiffness: self.k, drag, cap: self.friction * normal_force.abs() };
+        let dashpot = self.damping.of(pair.reduced_mass);
+        let slider = Slider { stiffness: self.k, dashpot, cap: self.friction * normal_force.abs() };
         let velocities = [pair, &pair.gathering()].map(|pair| along(velocity(pair)));
-        let pull = slider.pull(&mut spring, velocities, Plane::Y, [pair.dt, pair.lead]);
+        let pull = slider.pull(&mut spring, velocities, Plane::Y, [pair.dt, pair.springs_ahead]);
         memory.twist = spring.x;
-        add_torques(pair, &pull, turning);
+        add_torques(pair, &pull, resistance);
     }
 
     /// Adds the torque averaged over the step: [`super::centred`].
@@ -77,40 +79,40 @@ impl Twisting {
         &self,
         pair: &Pair<V>,
         load: &NormalLoad,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     ) {
         if V::COMPONENTS == 2 {
             return;
         }
-        let drag = self.damping.of(pair.reduced_mass);
-        let slider = Slider { stiffness: self.k, drag, cap: self.friction * load.whole.abs() };
+        let dashpot = self.damping.of(pair.reduced_mass);
+        let slider = Slider { stiffness: self.k, dashpot, cap: self.friction * load.whole.abs() };
         let middle = velocity(pair);
         let motion = [along(middle), along(velocity(&pair.predicted()) - middle)];
-        let mut spring = at_evaluation(along(memory.twist), motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.lead]);
+        let mut spring = at_evaluation(along(memory.twist), motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = spring * -self.k;
-        sweep.mean_drags = load.mean_drags(|share, _| drag * share);
-        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (self.k, drag)));
+        sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
+        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (self.k, dashpot)));
         let pull = slider.pull_centred(&mut spring, &sweep, Plane::Y);
         memory.twist = spring.x;
-        add_torques(pair, &pull, turning);
+        add_torques(pair, &pull, resistance);
     }
 
     /// Returns the stored energy, J.
-    pub(super) fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        0.5 * self.k * (memory.twist - velocity(pair) * pair.lead).powi(2)
+    pub(super) fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
+        0.5 * self.k * (memory.twist - velocity(pair) * pair.springs_ahead).powi(2)
     }
 
-    /// Returns stiffness (N/m) and drag coefficient (N s/m).
+    /// Returns stiffness (N/m) and dashpot coefficient (N s/m).
     pub(super) fn mode(&self, reduced_mass: f64) -> [f64; 2] {
         if self.friction > 0.0 { [self.k, self.damping.of(reduced_mass)] } else { [0.0; 2] }
     }
 
     /// Returns the energy lost at the end of a contact, J.
-    pub(super) fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+    pub(super) fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = along(velocity(&pair.gathering()));
-        lost_at_contact_end(self.k, along(memory.twist) - velocity * pair.lead, velocity, pair.dt)
+        lost_at_contact_end(self.k, along(memory.twist) - velocity * pair.springs_ahead, velocity, pair.dt)
     }
 }
 
@@ -128,9 +130,9 @@ fn along(number: f64) -> Plane {
 
 /// Adds the torques of a twisting force with arm R_eff.
 #[inline(always)]
-fn add_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<Plane>, turning: &mut Turning<V>) {
+fn add_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<Plane>, resistance: &mut Resistance<V>) {
     let arm = pair.normal.spread() * pair.reduced_radius();
-    turning.rolling += V::narrow_spin(arm * pull.force.x);
-    turning.rolling_drag += V::narrow_spin(arm * pull.drag.x);
-    turning.lost_by_rolling += pull.lost;
+    resistance.rolling += V::narrow_spin(arm * pull.force.x);
+    resistance.rolling_dashpot += V::narrow_spin(arm * pull.dashpot.x);
+    resistance.lost_by_rolling += pull.lost;
 }

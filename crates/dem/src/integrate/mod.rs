@@ -1,6 +1,5 @@
 //! Time integration: computes positions and velocities from forces. Each file holds one scheme, or one family of them.
 
-pub mod centred;
 mod euler;
 mod recorded_velocity;
 pub mod rotation;

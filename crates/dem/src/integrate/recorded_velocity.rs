@@ -1,5 +1,5 @@
 //! The velocity or spin that the record of a particle holds between the drift and the kick: the one in the middle of the step, or a
-//! prediction for its end, with the one in the middle beside it ([`centred`](super::centred)). The passes of the integrator are written
+//! prediction for its end, with the one in the middle beside it ([`centred`](crate::contact::centred)). The passes of the integrator are written
 //! once for both.
 
 use crate::space::Space;

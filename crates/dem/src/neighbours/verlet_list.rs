@@ -44,8 +44,8 @@ impl<V: Space> VerletList<V> {
             return Vec::new();
         }
         let left = |(i, (body, anchor)): (usize, (&Body<V>, &Anchor<V>))| {
-            // With centred contacts, pairs that touch within the look-ahead time must be listed too.
-            let ahead = store.prediction.lookahead * store.middle_velocity(i).extent();
+            // With centred contacts, pairs that touch within the time by which velocities are ahead must be listed too.
+            let ahead = store.prediction.velocities_ahead * store.middle_velocity(i).extent();
             let ahead = if store.prediction.range > 0.0 { ahead + 0.5 * store.prediction.range } else { ahead };
             anchor.allowance - ahead - store.separation(body.position, anchor.position).length()
         };

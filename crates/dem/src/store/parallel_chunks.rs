@@ -5,7 +5,7 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::threads::Threads;
 
 /// Entries per chunk.
@@ -18,7 +18,7 @@ const MIN_SHARED_CHUNKS: usize = 8;
 #[derive(SystemParam)]
 pub(crate) struct ChunkedPass<'w> {
     threads: Res<'w, Threads>,
-    instructions: Res<'w, Instructions>,
+    instructions: Res<'w, InstructionSet>,
 }
 
 /// Columns of equal length that a pass writes: a slice, or a pair of columns.
@@ -110,7 +110,7 @@ mod tests {
     fn with_threads<T>(threads: usize, pass: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
         let mut world = World::new();
         world.insert_resource(Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap());
-        world.init_resource::<Instructions>();
+        world.init_resource::<InstructionSet>();
         pass(SystemState::<ChunkedPass>::new(&mut world).get(&world).unwrap())
     }
 

@@ -6,7 +6,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::gravity::Gravity;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::persist::PersistApp as _;
 use crate::space::Space;
@@ -29,7 +29,7 @@ pub struct StorePlugin<V: Space>(pub PhantomData<V>);
 impl<V: Space> Plugin for StorePlugin<V> {
     fn build(&self, app: &mut App) {
         // Chunked passes over the store need the instructions.
-        app.init_resource::<ParticleStore<V>>().init_resource::<Instructions>();
+        app.init_resource::<ParticleStore<V>>().init_resource::<InstructionSet>();
         app.persist_component::<GrainId>()
             .persist_component::<Slot>()
             .persist_sound_component::<Position<V>>()

@@ -1,4 +1,4 @@
-//! The prediction of velocities, for schemes with centred contacts.
+//! The prediction of velocities, for the [centred](crate::contact::centred) scheme.
 //!
 //! Between the drift and the kick, [`Body::velocity`](super::Body) and [`Rotation::spin`](super::Rotation) are predicted for
 //! the end of the step. The kick needs the velocities in the middle of the step, so they are kept too. In the plane they
@@ -10,18 +10,18 @@ use crate::store::ParticleStore;
 /// The state of the prediction. It is empty for other schemes.
 #[derive(Clone, Debug)]
 pub struct Prediction<V: Space = Plane> {
-    /// Time by which velocities are predicted, s: half a step, or 0 for other schemes.
-    pub lookahead: f64,
+    /// Time by which predicted velocities are ahead of the middle of the step, s: half a step, or 0 for other schemes.
+    pub velocities_ahead: f64,
     /// Share of the gain in half a step that predicted velocities contain.
     pub share: f64,
     /// Like `share`, of spins.
     pub spin_share: f64,
     /// Whether springs advance with the velocities in the middle of the step, in place of predicted ones
-    /// ([`crate::integrate::centred`]).
+    /// ([`velocity_prediction`](crate::contact::centred::velocity_prediction)).
     pub springs_exact: bool,
-    /// The largest gap that two particles can close in the time `lookahead`, m.
+    /// The largest gap that two particles can close in the time `velocities_ahead`, m.
     pub margin: f64,
-    /// Radii of the particles, each with the distance that the particle moves in the time `lookahead` and half of `range`, m.
+    /// Radii of the particles, each with the distance that the particle moves in the time `velocities_ahead` and half of `range`, m.
     pub swept: Vec<f64>,
     /// Whether `swept` is kept: a contact law has memory.
     pub sweeps: bool,
@@ -44,7 +44,7 @@ pub struct Prediction<V: Space = Plane> {
 impl<V: Space> Default for Prediction<V> {
     fn default() -> Self {
         Self {
-            lookahead: 0.0,
+            velocities_ahead: 0.0,
             share: 0.0,
             spin_share: 0.0,
             springs_exact: false,
@@ -76,14 +76,14 @@ impl<V: Space> ParticleStore<V> {
     #[inline]
     #[must_use]
     pub fn predicts(&self) -> bool {
-        self.prediction.lookahead > 0.0
+        self.prediction.velocities_ahead > 0.0
     }
 
-    /// Time by which the springs of contact memories are ahead of the evaluation, s.
+    /// Time by which the springs of contact memories are ahead of the evaluation, s: 0, or the time by which velocities are ahead.
     #[inline]
     #[must_use]
-    pub fn spring_lead(&self) -> f64 {
-        if self.prediction.springs_exact { 0.0 } else { self.prediction.lookahead }
+    pub fn springs_ahead(&self) -> f64 {
+        if self.prediction.springs_exact { 0.0 } else { self.prediction.velocities_ahead }
     }
 
     /// Whether the velocity of particle `i` is a predicted one now. Fixed particles gain no velocity.
@@ -119,8 +119,8 @@ impl<V: Space> ParticleStore<V> {
             V::set_middle(middle, &mut self.body[i].middle, &mut self.prediction.middle[i]);
         }
         self.body[i].velocity = velocity;
-        // Without prediction the lookahead is zero, and so are the margins.
-        self.widen_margins(i, 2.0 * self.prediction.lookahead * self.middle_velocity(i).length());
+        // Without prediction this time is zero, and so are the margins.
+        self.widen_margins(i, 2.0 * self.prediction.velocities_ahead * self.middle_velocity(i).length());
     }
 
     /// Sets the margins from the velocities of particles from slot `first` on, for a step of `dt`, s. `longest` is the longest
@@ -174,7 +174,7 @@ mod tests {
         let body = Body { position: still, velocity: still, radius: 0.01, inverse_mass: 1.0, middle: () };
         store.body = vec![body; 2];
         (store.free_end, store.prediction.is_ahead) = (1, true);
-        store.prediction.lookahead = 0.5e-3;
+        store.prediction.velocities_ahead = 0.5e-3;
         store.prediction.middle = vec![still; 2];
         store.prediction.swept = vec![0.01; 2];
         // A grain and a fixed particle: 2 m/s for a step of 1 ms.
@@ -186,7 +186,7 @@ mod tests {
             assert_eq!(store.prediction.swept[i], swept_radius(0.01, 2e-3, 0.0));
         }
         // Schemes without prediction have no margins.
-        (store.prediction.lookahead, store.prediction.margin, store.prediction.swept) = (0.0, 0.0, Vec::new());
+        (store.prediction.velocities_ahead, store.prediction.margin, store.prediction.swept) = (0.0, 0.0, Vec::new());
         store.set_velocity(1, Solid::X, false);
         assert!(store.prediction.swept.is_empty() && store.prediction.margin == 0.0);
     }

@@ -32,7 +32,7 @@ struct SavedBody<V: Space> {
 /// The numbers of [`Prediction`](crate::store::Prediction) that change during a run.
 #[derive(Deserialize, Serialize)]
 struct SavedPrediction {
-    lookahead: f64,
+    velocities_ahead: f64,
     share: f64,
     spin_share: f64,
     margin: f64,
@@ -110,7 +110,7 @@ impl<V: Space> ParticleStore<V> {
             loads: self.loads.clone(),
             rotation: self.rotation.clone(),
             prediction: SavedPrediction {
-                lookahead: prediction.lookahead,
+                velocities_ahead: prediction.velocities_ahead,
                 share: prediction.share,
                 spin_share: prediction.spin_share,
                 margin: prediction.margin,
@@ -168,12 +168,12 @@ impl<V: Space> ParticleStore<V> {
         self.loads = saved.loads;
         self.rotation = saved.rotation;
         let prediction = &mut self.prediction;
-        prediction.lookahead = saved.prediction.lookahead;
+        prediction.velocities_ahead = saved.prediction.velocities_ahead;
         prediction.share = saved.prediction.share;
         prediction.spin_share = saved.prediction.spin_share;
         prediction.margin = saved.prediction.margin;
         prediction.lone = saved.prediction.lone;
-        if prediction.lookahead > 0.0 {
+        if prediction.velocities_ahead > 0.0 {
             prediction.middle = vec![V::Apart::default(); rows];
             prediction.middle_spin = vec![V::Spin::default(); spins];
         }

@@ -11,8 +11,11 @@ pub mod view;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
+use crate::contact::batch_law::{AnyLaw, BatchLaw};
+use crate::contact::geometry;
 use crate::contact::history::History;
-use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
+use crate::contact::memory::{Memory, MemoryLayout};
+use crate::contact::pair::Pair;
 use crate::neighbours::Search;
 use crate::neighbours::list::Candidate;
 use crate::particles::Motion;
@@ -37,7 +40,7 @@ pub struct SurveyParam<'w, V: Space = Plane> {
     search: Res<'w, Search<V>>,
     walls: Res<'w, Surfaces<V>>,
     law: Res<'w, AnyLaw<V>>,
-    history: Res<'w, History<V>>,
+    history: Res<'w, History>,
     near: Res<'w, NearWalls>,
 }
 
@@ -62,9 +65,9 @@ pub struct Survey<'a, V: Space = Plane> {
     /// Wall surfaces.
     pub walls: &'a Surfaces<V>,
     /// Contact law.
-    pub law: &'a dyn PairLaw<V>,
+    pub law: &'a dyn BatchLaw<V>,
     /// Contact history.
-    pub history: &'a History<V>,
+    pub history: &'a History,
     /// Pairs of a particle and a wall that are near each other; `None` if they have to be searched.
     near: Option<&'a [Candidate]>,
 }
@@ -87,7 +90,7 @@ impl<'a, V: Space> Survey<'a, V> {
 
     /// Calls `visit` once for each contact, with the slot of one particle, its partner, the pair and its memory. Pair
     /// and memory are seen from that particle. In a contact of two particles it is the particle in the lower slot.
-    pub fn contacts(&self, visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
+    pub fn contacts(&self, visit: impl FnMut(usize, Partner, &Pair<V>, &Memory)) {
         self.contacts_among(|_, _| true, visit);
     }
 
@@ -96,7 +99,7 @@ impl<'a, V: Space> Survey<'a, V> {
     fn contacts_among(
         &self,
         accepts: impl Fn(usize, Partner) -> bool,
-        mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
+        mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory),
     ) {
         self.visit_pairs(&accepts, &mut visit);
         let store = self.store;
@@ -134,16 +137,22 @@ impl<'a, V: Space> Survey<'a, V> {
         contacts.pairs(self.store, i, &self.walls.all, self.law.needs_mass_root()).collect()
     }
 
+    /// Returns the layout of the memories of contacts.
+    #[must_use]
+    pub fn layout(&self) -> MemoryLayout {
+        self.law.needs().memory.unwrap_or_default()
+    }
+
     /// Returns whether two bodies are in contact: they overlap, or their contact exists beyond touch. `memory` returns the memory of the contact.
-    fn exists(&self, pair: &Pair<V>, memory: impl FnOnce() -> Memory<V>) -> bool {
-        pair.overlap > 0.0 || pair.overlap + self.law.range(pair, &memory()) > 0.0
+    fn exists(&self, pair: &Pair<V>, memory: impl FnOnce() -> Memory) -> bool {
+        pair.overlap > 0.0 || pair.overlap + self.law.range_of(pair, &memory()) > 0.0
     }
 
     /// Visits the accepted contacts between particles.
     fn visit_pairs(
         &self,
         accepts: &impl Fn(usize, Partner) -> bool,
-        visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
+        visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory),
     ) {
         let root = self.law.needs_mass_root();
         let mut memories = self.history.read_pairs();

@@ -4,7 +4,10 @@
 
 use bevy_ecs::entity::Entity;
 
-use crate::contact::{Memory, Pair, PairForce, geometry};
+use crate::contact::geometry;
+use crate::contact::memory::Memory;
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::PairForce;
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 use crate::survey::view::{ContactState, Touched};
@@ -137,7 +140,7 @@ impl<V: Space> Touching<'_, V> {
 
     /// Searches for the memory of the contact and returns it as seen from the first particle.
     #[must_use]
-    pub fn memory(&self) -> Memory<V> {
+    pub fn memory(&self) -> Memory {
         let history = self.survey.history;
         let memory = match self.partner {
             Partner::Particle(row) => history.of_pair(self.row, row),
@@ -155,26 +158,26 @@ impl<V: Space> Touching<'_, V> {
     /// Returns the contact as seen from the particle with the lower id, as
     /// [`ContactView::all`](crate::survey::view::ContactView::all) lists it. `memory` is the memory of this contact,
     /// `dt` the time step, s.
-    pub(super) fn state_with(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
+    pub(super) fn state_with(&self, memory: &Memory, dt: f64) -> ContactState<V> {
         match self.partner {
             Partner::Particle(row) if self.survey.store.id[row] < self.grain() => {
                 let partner = Partner::Particle(self.row);
                 Self { row, partner, pair: self.pair.seen_from_partner(), ..*self }
-                    .state_from_first(&memory.seen_from_partner(), dt)
+                    .state_from_first(&self.survey.layout().seen_from_partner(memory), dt)
             }
             _ => self.state_from_first(memory, dt),
         }
     }
 
-    fn state_from_first(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
+    fn state_from_first(&self, memory: &Memory, dt: f64) -> ContactState<V> {
         let law = self.survey.law;
         let pair = &self.pair;
-        let force = law.force(pair, &mut memory.clone());
-        let normal_force = force.smooth.dot(pair.normal);
-        let friction = force.turning.friction;
+        let force = law.force(pair, &mut { *memory });
+        let normal_force = force.normal.dot(pair.normal);
+        let friction = force.resistance.friction;
         // A contact law without friction sets no lever arms.
-        let has_friction = force.turning.arms.iter().any(|&arm| arm > 0.0);
-        let is_sliding = has_friction && law.force(&Pair { dt, ..*pair }, &mut memory.clone()).turning.is_sliding;
+        let has_friction = force.resistance.arms.iter().any(|&arm| arm > 0.0);
+        let is_sliding = has_friction && law.force(&Pair { dt, ..*pair }, &mut { *memory }).resistance.is_sliding;
         let cap = law.friction(pair) * (normal_force + law.pull(pair)).abs();
         ContactState {
             grain: self.grain(),

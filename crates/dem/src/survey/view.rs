@@ -27,7 +27,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::Memory;
+use crate::contact::memory::Memory;
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 use crate::step::Clock;
@@ -67,7 +67,7 @@ pub struct ContactState<V: Space = Plane> {
     /// Whether friction is at its cap.
     pub is_sliding: bool,
     /// Memory of the contact.
-    pub memory: Memory<V>,
+    pub memory: Memory,
 }
 
 impl<V: Space> Survey<'_, V> {

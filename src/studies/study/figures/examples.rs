@@ -5,7 +5,7 @@
 //! without a stopped particle and with one. All examples therefore conserve number and momentum. Up to five outgoing
 //! states are kept: the first one, and others at equal distances in the table.
 
-use siloflow_lattice::collisions::{Collisions, place};
+use siloflow_lattice::collisions::{Collisions, resultant_index};
 use siloflow_lattice::velocities::{MOVERS, in_bonds, momentum};
 
 /// Largest number of outgoing states that are kept.
@@ -64,7 +64,7 @@ fn class_examples(table: &Collisions, class: &'static str, belongs: Test) -> imp
 
 /// Returns the example of a state; `None` unless both kinds of outgoing states have exactly the sum of the state.
 fn example(table: &Collisions, class: &'static str, incoming: u16) -> Option<Example> {
-    let resultant = place(momentum(incoming & MOVERS));
+    let resultant = resultant_index(momentum(incoming & MOVERS));
     let elastic = table.choice(4, resultant);
     let stopped = table.choice(3, resultant);
     let is_exact = elastic.is_exact && stopped.is_exact;

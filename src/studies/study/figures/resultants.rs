@@ -10,7 +10,7 @@ use super::paper::{Anchor, FAINT, INK, Lattice, Paper, Pen};
 use super::site::{incoming, outgoing, sum_pen};
 use siloflow_dem::space::Vector;
 use siloflow_figures::colour::{hex, viridis};
-use siloflow_lattice::collisions::{Collisions, place};
+use siloflow_lattice::collisions::{Collisions, resultant_index};
 use siloflow_lattice::velocities::{DOWN, STEPS, momentum};
 
 const WIDTH: f64 = 900.0;
@@ -84,7 +84,7 @@ fn example_states(table: &Collisions) -> Option<(u16, u16)> {
     let states = (0..4096u16).map(|movers| movers << 1).filter(|state| state.count_ones() == 3);
     states.into_iter().find_map(|state| {
         let (x, y) = momentum(state);
-        let choice = table.choice(3, place((x, y + STEPS[DOWN].1)));
+        let choice = table.choice(3, resultant_index((x, y + STEPS[DOWN].1)));
         let out = table.states(choice).iter().find(|&&out| out & state == 0)?;
         (choice.is_exact && x != 0 && y > 0).then_some((state, *out))
     })

@@ -6,7 +6,7 @@
 use crate::contact::geometry::ContactLine;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::contact::needs::BodyNumbers;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::periodic::Metric;
 use crate::space::{COINCIDENT, PARTED, Space, quad};
 use crate::store::Body;
@@ -30,7 +30,7 @@ pub struct Bodies<V: Space> {
     pub relative_velocity: Lanes<V>,
     pub reduced_mass: Scalars,
     /// Root of the reduced mass if the law needs it, else 0.
-    pub root: Scalars,
+    pub mass_root: Scalars,
     /// Sum of the radii, m.
     pub reach: Scalars,
     /// Inverse of `reach`, 1/m, if the law requires radii, else 0.
@@ -142,7 +142,7 @@ impl<V: Space> Bodies<V> {
     /// Computes the contact quantities from separations and masses, with [`Self::inverse_reach`] if `RADII` is set. Returns the number of
     /// coincident centres.
     #[inline(always)]
-    fn compute_lanes<const RADII: bool>(&mut self, lanes: usize, root: bool) -> u32 {
+    fn compute_lanes<const RADII: bool>(&mut self, lanes: usize, mass_root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let separation = self.separation.get(lane);
@@ -156,35 +156,40 @@ impl<V: Space> Bodies<V> {
             }
             coincident += u32::from(separation.length_squared() < COINCIDENT);
         }
-        if root {
+        if mass_root {
             for lane in 0..lanes.min(LANES) {
-                self.root[lane] = self.reduced_mass[lane].sqrt();
+                self.mass_root[lane] = self.reduced_mass[lane].sqrt();
             }
         }
         coincident
     }
 
     /// Transposes the first `lanes` lanes and computes their contact quantities, with the root of the reduced mass if
-    /// `root` is set. Returns whether any centres may coincide.
-    pub fn measure(&mut self, lanes: usize, (numbers, root): (BodyNumbers, bool), instructions: Instructions) -> bool {
+    /// `mass_root` is set. Returns whether any centres may coincide.
+    pub fn measure(
+        &mut self,
+        lanes: usize,
+        (numbers, mass_root): (BodyNumbers, bool),
+        instructions: InstructionSet,
+    ) -> bool {
         match numbers {
-            BodyNumbers::Sums => self.measure_by::<false, false>(lanes, root, instructions),
-            BodyNumbers::Each => self.measure_by::<true, false>(lanes, root, instructions),
-            BodyNumbers::EachWithRadii => self.measure_by::<true, true>(lanes, root, instructions),
+            BodyNumbers::Sums => self.measure_by::<false, false>(lanes, mass_root, instructions),
+            BodyNumbers::Each => self.measure_by::<true, false>(lanes, mass_root, instructions),
+            BodyNumbers::EachWithRadii => self.measure_by::<true, true>(lanes, mass_root, instructions),
         }
     }
 
     fn measure_by<const INDIVIDUAL: bool, const RADII: bool>(
         &mut self,
         lanes: usize,
-        root: bool,
-        instructions: Instructions,
+        mass_root: bool,
+        instructions: InstructionSet,
     ) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
             || {
                 self.spread::<INDIVIDUAL>(lanes);
-                self.compute_lanes::<RADII>(lanes, root)
+                self.compute_lanes::<RADII>(lanes, mass_root)
             },
         );
         coincident > 0
@@ -223,7 +228,7 @@ mod tests {
                 middle: V::Inside::default(),
             }
         };
-        for instructions in Instructions::all() {
+        for instructions in InstructionSet::all() {
             let mut bodies = Bodies::<V>::default();
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
@@ -246,7 +251,7 @@ mod tests {
                 assert!(bodies.normal.get(lane).distance(separation * (1.0 / separation.length())) < error);
                 let reduced_mass = 1.0 / (i.inverse_mass + j.inverse_mass);
                 assert!((bodies.reduced_mass[lane] / reduced_mass - 1.0).abs() < error);
-                assert!((bodies.root[lane] / reduced_mass.sqrt() - 1.0).abs() < error);
+                assert!((bodies.mass_root[lane] / reduced_mass.sqrt() - 1.0).abs() < error);
                 let overlap = i.radius + j.radius - separation.length();
                 assert!((bodies.overlap[lane] - overlap).abs() < error * separation.length());
                 if numbers == BodyNumbers::EachWithRadii {

@@ -1,9 +1,11 @@
 //! The output of a batch of contacts: forces and torques to be summed, and numbers for the energy balance.
 
-use crate::contact::force_accumulation::{drag, total};
-use crate::contact::history::ContactLosses;
+use crate::contact::force_accumulation::{dashpot, total};
+use crate::contact::history::losses::ContactLosses;
 use crate::contact::lanes::{Lanes, Scalars};
-use crate::contact::{LawRequirements, Pair, PairForce};
+use crate::contact::law::LawRequirements;
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::PairForce;
 use crate::space::{Linear, Space};
 use crate::store::TOTAL_AND_DISSIPATIVE;
 
@@ -21,7 +23,7 @@ pub struct ContactOutput<V: Space> {
     /// Torque of rolling resistance on i, N m.
     rolling: Lanes<V::Spin>,
     /// Torque on i of the dashpots of rolling resistance, N m.
-    pub rolling_drag_torque: Lanes<V::Spin>,
+    pub rolling_dashpot_torque: Lanes<V::Spin>,
     /// Energy lost to sliding, to rolling beyond the cap, and to tangential dashpots, J.
     lost: [Scalars; 3],
 }
@@ -51,14 +53,15 @@ impl<V: Space> ContactOutput<V> {
         })
     }
 
-    /// Marks a lane whose particles do not touch.
-    pub(super) fn no_contact(&mut self, lane: usize) {
-        self.gaps |= 1 << lane;
+    /// Sets the bits of the lanes whose particles do not touch.
+    #[inline(always)]
+    pub(super) fn set_gaps(&mut self, gaps: u64) {
+        self.gaps = gaps;
     }
 
     /// Makes a lane a gap without force, torque and losses.
     pub(super) fn clear_lane<L: LawRequirements>(&mut self, lane: usize) {
-        self.no_contact(lane);
+        self.gaps |= 1 << lane;
         self.forces.iter_mut().for_each(|forces| forces.set(lane, V::ZERO));
         if L::SPIN {
             self.moments.iter_mut().for_each(|moments| moments.set(lane, V::Spin::ZERO));
@@ -66,7 +69,7 @@ impl<V: Space> ContactOutput<V> {
         }
         if L::ROLLING {
             self.rolling.set(lane, V::Spin::ZERO);
-            self.rolling_drag_torque.set(lane, V::Spin::ZERO);
+            self.rolling_dashpot_torque.set(lane, V::Spin::ZERO);
         }
     }
 
@@ -112,11 +115,11 @@ impl<V: Space> ContactOutput<V> {
     pub(super) fn store_force<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
         self.forces[0].set(lane, total::<L, V>(force));
         if L::SPIN {
-            let turning = &force.turning;
-            self.moments[0].set(lane, pair.normal.cross(turning.friction));
-            (self.arms[0][lane], self.arms[1][lane]) = turning.arms.into();
+            let resistance = &force.resistance;
+            self.moments[0].set(lane, pair.normal.cross(resistance.friction));
+            (self.arms[0][lane], self.arms[1][lane]) = resistance.arms.into();
             if L::ROLLING {
-                self.rolling.set(lane, turning.rolling);
+                self.rolling.set(lane, resistance.rolling);
             }
         }
     }
@@ -129,15 +132,15 @@ impl<V: Space> ContactOutput<V> {
         pair: &Pair<V>,
         force: &PairForce<V>,
     ) {
-        self.forces[1].set(lane, drag::<L, V>(force));
+        self.forces[1].set(lane, dashpot::<L, V>(force));
         if L::SPIN {
-            let turning = &force.turning;
-            self.moments[1].set(lane, pair.normal.cross(turning.friction_drag));
-            self.lost[0][lane] = turning.lost_by_sliding;
-            self.lost[2][lane] = pair.dashpot_loss(turning);
+            let resistance = &force.resistance;
+            self.moments[1].set(lane, pair.normal.cross(resistance.friction_dashpot));
+            self.lost[0][lane] = resistance.lost_by_sliding;
+            self.lost[2][lane] = pair.dashpot_loss(resistance);
             if L::ROLLING {
-                self.rolling_drag_torque.set(lane, turning.rolling_drag);
-                self.lost[1][lane] = turning.lost_by_rolling;
+                self.rolling_dashpot_torque.set(lane, resistance.rolling_dashpot);
+                self.lost[1][lane] = resistance.lost_by_rolling;
             }
         }
     }

@@ -2,17 +2,20 @@
 //! ([`centred`](crate::contact::centred)).
 
 use crate::contact::batch::{Batch, Bodies};
-use crate::contact::centred::Window;
-use crate::contact::start::force_at_start;
-use crate::contact::{Gathered, LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
-use crate::instructions::Instructions;
+use crate::contact::centred::start::force_at_start;
+use crate::contact::centred::window::Window;
+use crate::contact::law::{LawRequirements, PairLaw};
+use crate::contact::memory::Memory;
+use crate::contact::pair::{Gathered, MemoryTimes, Pair};
+use crate::contact::pair_force::PairForce;
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
 
-/// A pair closes in half a step at most a gap of this multiple of half a step times its predicted speed. The factor allows for the
-/// difference of predicted velocities from those in the middle of the step.
-const CLOSED_IN_HALF_STEPS: f64 = 1.25;
+/// The widest gap that a pair is assumed to close in half a step, divided by half a step times the predicted speed. More than one, because
+/// the velocity in the middle of the step differs from the predicted one.
+const CLOSED_IN_HALF_A_STEP: f64 = 1.25;
 
 /// Turns a contact with predicted velocities into one with the velocities in the middle of the step and their prediction.
 pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
@@ -22,7 +25,7 @@ impl<V: Space> Bodies<V> {
     #[inline(always)]
     fn stay_apart(&self, lane: usize, range: f64, half: f64) -> bool {
         let speed = self.relative_velocity.get(lane).dot(self.normal.get(lane)).abs();
-        self.overlap[lane] + range + CLOSED_IN_HALF_STEPS * half * speed < 0.0
+        self.overlap[lane] + range + CLOSED_IN_HALF_A_STEP * half * speed < 0.0
     }
 }
 
@@ -55,17 +58,20 @@ impl<V: Space> Batch<V> {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
             if !step.starts {
-                let range =
-                    if L::REACHES { law.range(&self.pair::<L>(lane, times), &self.memory.get::<L>(lane)) } else { 0.0 };
-                if self.bodies.stay_apart(lane, range, step.store.prediction.lookahead) {
+                let range = if L::REACHES {
+                    law.range_of(&self.pair::<L>(lane, times), &self.memory.get::<L, V>(lane))
+                } else {
+                    0.0
+                };
+                if self.bodies.stay_apart(lane, range, step.store.prediction.velocities_ahead) {
                     self.clear::<L>(lane);
                     continue;
                 }
             }
             let mut pair = self.pair::<L>(lane, times);
-            let mut memory = self.memory.get::<L>(lane);
+            let mut memory = self.memory.get::<L, V>(lane);
             let force = if step.starts {
-                force_at_start(law, &pair, &mut memory, step.store.prediction.lookahead, self.bodies.reach[lane])
+                force_at_start(law, &pair, &mut memory, step.store.prediction.velocities_ahead, self.bodies.reach[lane])
             } else {
                 step.force(law, self.pairs[lane], &mut pair, &mut memory)
             };
@@ -79,15 +85,21 @@ impl<V: Space> Batch<V> {
             }
             if L::REACHES {
                 self.output.contact(lane);
+                // A contact that forms after this evaluation does not exist yet.
+                if memory.exists || !(pair.overlap <= 0.0) {
+                    memory.exists = true;
+                } else {
+                    memory = Memory::default();
+                }
             }
-            self.memory_after.set::<L>(lane, &memory);
+            self.memory_after.set::<L, V>(lane, &memory);
         }
     }
 
     /// Makes a lane a gap, without force and memory.
     fn clear<L: LawRequirements>(&mut self, lane: usize) {
         self.output.clear_lane::<L>(lane);
-        self.memory_after.set::<L>(lane, &Memory::default());
+        self.memory_after.set::<L, V>(lane, &Memory::default());
     }
 }
 
@@ -100,7 +112,7 @@ pub struct EventStep<'a, V: Space> {
     /// Whether it is step zero.
     pub starts: bool,
     /// Instruction set of the law.
-    pub instructions: Instructions,
+    pub instructions: InstructionSet,
 }
 
 impl<V: Space> EventStep<'_, V> {
@@ -111,9 +123,9 @@ impl<V: Space> EventStep<'_, V> {
         law: &L,
         contact: Candidate,
         pair: &mut Pair<V>,
-        memory: &mut Memory<V>,
+        memory: &mut Memory,
     ) -> Option<PairForce<V>> {
-        let overlap = if L::REACHES { pair.overlap + law.range(pair, memory) } else { pair.overlap };
+        let overlap = if L::REACHES { pair.overlap + law.range_of(pair, memory) } else { pair.overlap };
         (self.predict)(self.store, contact, pair);
         if self.store.prediction.springs_exact {
             pair.gathered = Some(Gathered { relative_velocity: pair.relative_velocity, spins: pair.spins });

@@ -11,7 +11,7 @@ use crate::contact::batch::Batch;
 use crate::contact::batch::bodies::Approach;
 use crate::contact::lanes::LANES;
 use crate::contact::needs::{BodyNumbers, Needs};
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::Candidate;
 use crate::periodic::{Metric, Open};
 use crate::space::Space;
@@ -24,7 +24,7 @@ impl<V: Space> Batch<V> {
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
         needs: Needs,
-        instructions: Instructions,
+        instructions: InstructionSet,
     ) -> &'c [Candidate] {
         match (needs.bodies != BodyNumbers::Sums, needs.memory.is_some() && store.predicts()) {
             (false, false) => self.select_in_sides::<false, false>(store, candidates, instructions),
@@ -38,7 +38,7 @@ impl<V: Space> Batch<V> {
         &mut self,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
-        instructions: Instructions,
+        instructions: InstructionSet,
     ) -> &'c [Candidate] {
         match store.periodic {
             None => self.select_by::<INDIVIDUAL, SWEPT>(Open, store, candidates, instructions),
@@ -52,7 +52,7 @@ impl<V: Space> Batch<V> {
         metric: impl Metric<V>,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
-        instructions: Instructions,
+        instructions: InstructionSet,
     ) -> &'c [Candidate] {
         let Prediction { swept, margin, range, .. } = &store.prediction;
         let bodies = &store.body[..];
@@ -90,15 +90,16 @@ impl<V: Space> Batch<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::needs::{Class, MemoryParts};
+    use crate::contact::memory::{MemoryLayout, MemoryVariable, Parity};
+    use crate::contact::needs::TorqueClass;
     use crate::space::{Plane, Solid};
     use crate::store::Body;
 
     /// A law without memory that needs sums, and one with memory that needs the numbers of each body.
     const PLAIN: Needs =
-        Needs { class: Class::Forces, memory: None, bodies: BodyNumbers::Sums, species: false, reaches: false };
+        Needs { torques: TorqueClass::None, memory: None, bodies: BodyNumbers::Sums, species: false, reaches: false };
     const WITH_MEMORY: Needs = Needs {
-        memory: Some(MemoryParts { spring: true, rolling: false, twist: false, stiffness: false }),
+        memory: Some(MemoryLayout::new::<Plane>(&[MemoryVariable::vector("spring", Parity::Odd)], false)),
         bodies: BodyNumbers::EachWithRadii,
         ..PLAIN
     };
@@ -118,14 +119,14 @@ mod tests {
         store.body.push(at(0.0));
         store.body.extend(others.iter().map(|&[gap, _]| at(0.02 + gap)));
         if centred {
-            (store.prediction.lookahead, store.prediction.margin) = (1e-3, 2e-3);
+            (store.prediction.velocities_ahead, store.prediction.margin) = (1e-3, 2e-3);
             store.prediction.swept = std::iter::once(1e-3)
                 .chain(others.iter().map(|&[_, margin]| margin))
                 .map(|margin| 0.01 + margin)
                 .collect();
         }
         let candidates: Vec<_> = (1..=others.len()).map(|j| Candidate::new(0, j.try_into().unwrap())).collect();
-        let all = Instructions::all().into_iter().map(|instructions| {
+        let all = InstructionSet::all().into_iter().map(|instructions| {
             let mut batch = Batch::<V>::default();
             let mut left = &candidates[..];
             let mut found = Vec::new();

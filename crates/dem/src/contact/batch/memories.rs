@@ -1,81 +1,85 @@
 //! The memories of the contacts of a batch, loaded from the history blocks.
 
-use crate::contact::batch::Batch;
-use crate::contact::history::HistoryCursor;
-use crate::contact::lanes::{LANES, Lanes, Scalars};
-use crate::contact::{LawRequirements, Memory};
-use crate::neighbours::list::Candidate;
+use crate::contact::lanes::Scalars;
+use crate::contact::law::{LawRequirements, memory_layout};
+use crate::contact::memory::{MOST_NUMBERS, Memory, MemoryLayout};
 use crate::space::Space;
 
 /// [`Memory`] in lanes.
 #[derive(Clone, Debug, Default)]
-pub struct MemoryLanes<V: Space> {
-    pub(in crate::contact) spring: Lanes<V>,
-    pub(in crate::contact) rolling: Lanes<V>,
-    pub(in crate::contact) twist: Scalars,
-    pub(in crate::contact) stiffness: Scalars,
+pub struct MemoryLanes {
+    /// Bits of the lanes whose contact exists, for a law that reaches beyond touch.
+    pub exists: u64,
+    /// The numbers. Those that the law does not remember are never set.
+    pub numbers: [Scalars; MOST_NUMBERS],
 }
 
-impl<V: Space> MemoryLanes<V> {
-    /// Returns the memory in a lane; components that the law `L` does not require are zero.
+impl MemoryLanes {
+    /// Returns the memory in a lane, for the law `L`.
     #[inline(always)]
-    pub fn get<L: LawRequirements>(&self, lane: usize) -> Memory<V> {
+    pub fn get<L: LawRequirements, V: Space>(&self, lane: usize) -> Memory {
+        let count = const { memory_layout::<L, V>().count };
         Memory {
-            spring: if L::SPRING { self.spring.get(lane) } else { V::ZERO },
-            rolling: if L::ROLLING { self.rolling.get(lane) } else { V::ZERO },
-            twist: if L::TWISTING { self.twist[lane] } else { 0.0 },
-            stiffness: if L::STIFFNESS { self.stiffness[lane] } else { 0.0 },
+            exists: L::REACHES && self.exists >> lane & 1 == 1,
+            numbers: each_number(
+                #[inline(always)]
+                |at| if at < count { self.numbers[at][lane] } else { 0.0 },
+            ),
         }
     }
 
-    /// Sets the components that the law `L` requires.
+    /// Sets the memory in a lane, for the law `L`.
     #[inline(always)]
-    pub fn set<L: LawRequirements>(&mut self, lane: usize, memory: &Memory<V>) {
-        if L::SPRING {
-            self.spring.set(lane, memory.spring);
+    pub fn set<L: LawRequirements, V: Space>(&mut self, lane: usize, memory: &Memory) {
+        let count = const { memory_layout::<L, V>().count };
+        for (lanes, number) in self.numbers.iter_mut().zip(memory.numbers).take(count) {
+            lanes[lane] = number;
         }
-        if L::ROLLING {
-            self.rolling.set(lane, memory.rolling);
-        }
-        if L::TWISTING {
-            self.twist[lane] = memory.twist;
-        }
-        if L::STIFFNESS {
-            self.stiffness[lane] = memory.stiffness;
+        if L::REACHES {
+            self.set_exists(lane, memory.exists);
         }
     }
 
-    /// Returns the memory in a lane, for any law: components that are never set are zero.
-    #[inline]
-    pub fn get_all(&self, lane: usize) -> Memory<V> {
-        Memory {
-            spring: self.spring.get(lane),
-            rolling: self.rolling.get(lane),
-            twist: self.twist[lane],
-            stiffness: self.stiffness[lane],
-        }
+    /// Sets whether the contact in a lane exists.
+    #[inline(always)]
+    pub fn set_exists(&mut self, lane: usize, exists: bool) {
+        self.exists = self.exists & !(1 << lane) | u64::from(exists) << lane;
     }
 
-    /// Sets the memory in a lane, for any law.
+    /// Returns the memory in a lane, for a law with the memories of `layout`.
     #[inline]
-    pub fn set_all(&mut self, lane: usize, memory: &Memory<V>) {
-        self.spring.set(lane, memory.spring);
-        self.rolling.set(lane, memory.rolling);
-        (self.twist[lane], self.stiffness[lane]) = (memory.twist, memory.stiffness);
+    pub fn memory(&self, layout: &MemoryLayout, lane: usize) -> Memory {
+        let mut memory = Memory { exists: layout.keeps_existence && self.exists >> lane & 1 == 1, ..Memory::default() };
+        for (number, lanes) in memory.numbers.iter_mut().zip(&self.numbers).take(layout.count) {
+            *number = lanes[lane];
+        }
+        memory
+    }
+
+    /// Makes the memory in a lane that of a new contact.
+    #[inline]
+    pub fn clear(&mut self, layout: &MemoryLayout, lane: usize) {
+        self.set_exists(lane, false);
+        self.numbers.iter_mut().take(layout.count).for_each(|lanes| lanes[lane] = 0.0);
     }
 }
 
-impl<V: Space> Batch<V> {
-    /// Loads the memories of all contacts. Contacts that have ended are passed to `on_end` with their memories.
-    #[inline]
-    pub fn recall(&mut self, cursor: &mut HistoryCursor<'_, V>, mut on_end: impl FnMut(Candidate, &Memory<V>)) {
-        let contacts = &self.pairs[..self.len.min(LANES)];
-        if cursor.recall_all(contacts, &mut self.memory) {
-            return;
-        }
-        for (lane, &contact) in contacts.iter().enumerate() {
-            let memory = cursor.recall(contact, &mut on_end);
-            self.memory.set_all(lane, &memory.unwrap_or_default());
-        }
-    }
+/// Builds the numbers of a memory from their indices. Not a loop: the numbers have to become registers before the loop over the lanes is
+/// vectorised.
+#[inline(always)]
+fn each_number(number: impl Fn(usize) -> f64) -> [f64; MOST_NUMBERS] {
+    [
+        number(0),
+        number(1),
+        number(2),
+        number(3),
+        number(4),
+        number(5),
+        number(6),
+        number(7),
+        number(8),
+        number(9),
+        number(10),
+        number(11),
+    ]
 }

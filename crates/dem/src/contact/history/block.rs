@@ -1,6 +1,6 @@
-//! History blocks: memories of the contacts of consecutive rows, in the order in which the kernel visits them.
+//! History blocks: memories of the contacts of consecutive rows, in the order in which the force pass visits them.
 //!
-//! With centred contacts a block also has entries of gaps that may close in half a step, with empty memories. So the entries
+//! Under the scheme `Centred` a block also has entries of gaps that may close in half a step, with empty memories. So the entries
 //! change less often than the contacts do, and lasting ones are overwritten in place.
 
 use serde::{Deserialize, Serialize};
@@ -8,22 +8,20 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 use crate::contact::batch::MemoryLanes;
-use crate::contact::history::ContactLosses;
-use crate::contact::lanes::{LANES, Lanes};
-use crate::contact::{Memory, MemoryParts};
+use crate::contact::history::losses::ContactLosses;
+use crate::contact::lanes::LANES;
+use crate::contact::memory::{MOST_NUMBERS, Memory, MemoryLayout};
 use crate::neighbours::list::Candidate;
-use crate::space::{Linear, Space};
 
-/// Memories of the contacts of consecutive rows. Vectors that the law does not require stay empty.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
-pub struct HistoryBlock<V: Space> {
+/// Memories of the contacts of consecutive rows. Columns that the law does not remember stay empty.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub struct HistoryBlock {
     /// Ascending.
     pub(super) contacts: Vec<Candidate>,
-    spring: Vec<V>,
-    rolling: Vec<V>,
-    twist: Vec<f64>,
-    stiffness: Vec<f64>,
+    /// [`Memory::numbers`] of the contacts, a column for each.
+    numbers: [Vec<f64>; MOST_NUMBERS],
+    /// [`Memory::exists`] of the contacts.
+    exists: Vec<bool>,
     /// Energy lost in contacts of these rows in the last pass.
     pub lost: ContactLosses,
     /// Number of contacts of these rows in the last pass, without gaps. Every pass sets it, also without memories.
@@ -31,24 +29,10 @@ pub struct HistoryBlock<V: Space> {
     pub(super) touching: u32,
 }
 
-impl<V: Space> Default for HistoryBlock<V> {
-    fn default() -> Self {
-        Self {
-            contacts: Vec::new(),
-            spring: Vec::new(),
-            rolling: Vec::new(),
-            twist: Vec::new(),
-            stiffness: Vec::new(),
-            lost: ContactLosses::default(),
-            touching: 0,
-        }
-    }
-}
-
-impl<V: Space> HistoryBlock<V> {
+impl HistoryBlock {
     /// Makes this block a copy of the first `first` contacts of `earlier`. Reserves space for slightly more contacts
     /// than `earlier` has: growth by doubling would take twice the memory.
-    pub(super) fn copy_front(&mut self, parts: MemoryParts, earlier: &Self, first: usize) {
+    pub(super) fn copy_front(&mut self, layout: &MemoryLayout, earlier: &Self, first: usize) {
         fn copy_front<T: Copy>(column: &mut Vec<T>, earlier: &[T], first: usize) {
             let expected = earlier.len();
             if column.capacity() < expected || column.capacity() > 2 * expected + LANES {
@@ -58,36 +42,35 @@ impl<V: Space> HistoryBlock<V> {
             column.extend_from_slice(&earlier[..first]);
         }
         copy_front(&mut self.contacts, &earlier.contacts, first);
-        if parts.spring {
-            copy_front(&mut self.spring, &earlier.spring, first);
+        for (column, earlier) in self.numbers.iter_mut().zip(&earlier.numbers).take(layout.count) {
+            copy_front(column, earlier, first);
         }
-        if parts.rolling {
-            copy_front(&mut self.rolling, &earlier.rolling, first);
-        }
-        if parts.twist {
-            copy_front(&mut self.twist, &earlier.twist, first);
-        }
-        if parts.stiffness {
-            copy_front(&mut self.stiffness, &earlier.stiffness, first);
+        if layout.keeps_existence {
+            copy_front(&mut self.exists, &earlier.exists, first);
         }
     }
 
-    /// Whether the contacts are those of the rows `own`, each once and ascending, with partners below `partners`, in pairs after the
-    /// row itself; and whether they have the `parts` of a law, which may keep none.
-    pub(super) fn fits(&self, own: Range<usize>, partners: usize, are_pairs: bool, parts: Option<MemoryParts>) -> bool {
+    /// Whether the block is one that a pass of this scene can have left. Its contacts must belong to the rows `own`, be ascending without a
+    /// repeat, and have partners below `partners`; if `are_pairs`, partners must come after the row. Their memories must have the layout
+    /// of the law. For a law without memory, `None`, the block must be empty.
+    pub(super) fn fits(
+        &self,
+        own: Range<usize>,
+        partners: usize,
+        are_pairs: bool,
+        layout: Option<&MemoryLayout>,
+    ) -> bool {
         let fits = |contact: &Candidate| {
             let [row, partner] = contact.both();
             own.contains(&row) && partner < partners && !(are_pairs && partner <= row)
         };
+        let none = MemoryLayout::default();
+        let MemoryLayout { count, keeps_existence, .. } = *layout.unwrap_or(&none);
         let length = |is_kept: bool| if is_kept { self.contacts.len() } else { 0 };
-        let has_parts = match parts {
-            Some(MemoryParts { spring, rolling, twist, stiffness }) => {
-                [self.spring.len(), self.rolling.len(), self.twist.len(), self.stiffness.len()]
-                    == [spring, rolling, twist, stiffness].map(length)
-            }
-            None => self.contacts.is_empty(),
-        };
-        has_parts && self.contacts.iter().all(fits) && self.contacts.is_sorted_by(|one, next| one < next)
+        let has_columns = self.numbers.iter().enumerate().all(|(at, column)| column.len() == length(at < count))
+            && self.exists.len() == length(keeps_existence)
+            && (layout.is_some() || self.contacts.is_empty());
+        has_columns && self.contacts.iter().all(fits) && self.contacts.is_sorted_by(|one, next| one < next)
     }
 
     /// Removes all contacts.
@@ -99,38 +82,29 @@ impl<V: Space> HistoryBlock<V> {
     /// Discards all but the first `first` contacts.
     pub(super) fn truncate(&mut self, first: usize) {
         self.contacts.truncate(first);
-        self.spring.truncate(first);
-        self.rolling.truncate(first);
-        self.twist.truncate(first);
-        self.stiffness.truncate(first);
+        self.numbers.iter_mut().for_each(|column| column.truncate(first));
+        self.exists.truncate(first);
     }
 
-    /// Returns the memory at position `at`; components that are not stored are zero.
+    /// Returns the memory at position `at`; numbers that are not stored are zero.
     #[inline]
-    pub(super) fn memory(&self, at: usize) -> Memory<V> {
-        Memory {
-            spring: self.spring.get(at).copied().unwrap_or_default(),
-            rolling: self.rolling.get(at).copied().unwrap_or_default(),
-            twist: self.twist.get(at).copied().unwrap_or_default(),
-            stiffness: self.stiffness.get(at).copied().unwrap_or_default(),
+    pub(super) fn memory(&self, at: usize) -> Memory {
+        let mut memory = Memory { exists: self.exists.get(at) == Some(&true), ..Memory::default() };
+        for (number, column) in memory.numbers.iter_mut().zip(&self.numbers) {
+            *number = column.get(at).copied().unwrap_or_default();
         }
+        memory
     }
 
     /// Appends a contact, which must come after the last one in order.
     #[inline]
-    pub fn push(&mut self, parts: MemoryParts, contact: Candidate, memory: &Memory<V>) {
+    pub fn push(&mut self, layout: &MemoryLayout, contact: Candidate, memory: &Memory) {
         self.contacts.push(contact);
-        if parts.spring {
-            self.spring.push(memory.spring);
+        for (column, number) in self.numbers.iter_mut().zip(&memory.numbers).take(layout.count) {
+            column.push(*number);
         }
-        if parts.rolling {
-            self.rolling.push(memory.rolling);
-        }
-        if parts.twist {
-            self.twist.push(memory.twist);
-        }
-        if parts.stiffness {
-            self.stiffness.push(memory.stiffness);
+        if layout.keeps_existence {
+            self.exists.push(memory.exists);
         }
     }
 
@@ -138,7 +112,7 @@ impl<V: Space> HistoryBlock<V> {
     /// first `passed` contacts are left alone.
     pub(super) fn rename(&mut self, passed: usize, contact: Candidate, other: usize) {
         fn move_entry<T>(column: &mut [T], from: usize, to: usize) {
-            // Vectors that the law does not require are empty.
+            // Columns that the law does not remember are empty.
             if column.is_empty() {
                 return;
             }
@@ -164,97 +138,86 @@ impl<V: Space> HistoryBlock<V> {
         };
         self.contacts[from] = renamed;
         move_entry(&mut self.contacts, from, to);
-        move_entry(&mut self.spring, from, to);
-        move_entry(&mut self.rolling, from, to);
-        move_entry(&mut self.twist, from, to);
-        move_entry(&mut self.stiffness, from, to);
+        self.numbers.iter_mut().for_each(|column| move_entry(column, from, to));
+        move_entry(&mut self.exists, from, to);
     }
 
     fn swap_memories(&mut self, one: usize, two: usize) {
         fn swap<T>(column: &mut [T], one: usize, two: usize) {
-            // Vectors that the law does not require are empty.
+            // Columns that the law does not remember are empty.
             if !column.is_empty() {
                 column.swap(one, two);
             }
         }
-        swap(&mut self.spring, one, two);
-        swap(&mut self.rolling, one, two);
-        swap(&mut self.twist, one, two);
-        swap(&mut self.stiffness, one, two);
+        self.numbers.iter_mut().for_each(|column| swap(column, one, two));
+        swap(&mut self.exists, one, two);
     }
 
     /// Appends the contacts of `others` for which `is_wanted` returns true. They must come after the last one in order.
     pub(in crate::contact) fn copy(
         &mut self,
-        parts: MemoryParts,
+        layout: &MemoryLayout,
         others: &Self,
         is_wanted: impl Fn(Candidate) -> bool,
     ) {
         for (at, &contact) in others.contacts.iter().enumerate().filter(|&(_, &contact)| is_wanted(contact)) {
-            self.push(parts, contact, &others.memory(at));
+            self.push(layout, contact, &others.memory(at));
         }
     }
 
     /// Appends the contacts of a batch with their memories.
     #[inline]
-    pub(super) fn extend(&mut self, parts: MemoryParts, contacts: &[Candidate], memories: &MemoryLanes<V>) {
+    pub(super) fn extend(&mut self, layout: &MemoryLayout, contacts: &[Candidate], memories: &MemoryLanes) {
         self.contacts.extend_from_slice(contacts);
-        let lanes = 0..contacts.len().min(LANES);
-        if parts.spring {
-            self.spring.extend(lanes.clone().map(|lane| memories.spring.get(lane)));
+        let lanes = contacts.len().min(LANES);
+        for (column, numbers) in self.numbers.iter_mut().zip(&memories.numbers).take(layout.count) {
+            column.extend_from_slice(&numbers[..lanes]);
         }
-        if parts.rolling {
-            self.rolling.extend(lanes.clone().map(|lane| memories.rolling.get(lane)));
-        }
-        if parts.twist {
-            self.twist.extend_from_slice(&memories.twist[lanes.clone()]);
-        }
-        if parts.stiffness {
-            self.stiffness.extend_from_slice(&memories.stiffness[lanes]);
+        if layout.keeps_existence {
+            self.exists.extend((0..lanes).map(|lane| memories.exists >> lane & 1 == 1));
         }
     }
 
     /// Loads the memories of the given contacts, at most [`LANES`], into lanes.
     #[inline]
-    pub(super) fn read(&self, parts: MemoryParts, contacts: Range<usize>, memories: &mut MemoryLanes<V>) {
-        fn read<T: Linear>(column: &[T], lanes: &mut Lanes<T>) {
-            for (lane, memory) in column.iter().enumerate().take(LANES) {
-                lanes.set(lane, *memory);
+    pub(super) fn read(&self, layout: &MemoryLayout, contacts: Range<usize>, memories: &mut MemoryLanes) {
+        for (numbers, column) in memories.numbers.iter_mut().zip(&self.numbers).take(layout.count) {
+            numbers[..contacts.len()].copy_from_slice(&column[contacts.clone()]);
+        }
+        if layout.keeps_existence {
+            for (lane, exists) in self.exists[contacts].iter().enumerate() {
+                memories.set_exists(lane, *exists);
             }
         }
-        if parts.spring {
-            read(&self.spring[contacts.clone()], &mut memories.spring);
+    }
+
+    /// Loads the memory at position `at` into a lane.
+    #[inline]
+    pub(in crate::contact) fn read_one(
+        &self,
+        layout: &MemoryLayout,
+        at: usize,
+        lane: usize,
+        memories: &mut MemoryLanes,
+    ) {
+        for (numbers, column) in memories.numbers.iter_mut().zip(&self.numbers).take(layout.count) {
+            numbers[lane] = column[at];
         }
-        if parts.rolling {
-            read(&self.rolling[contacts.clone()], &mut memories.rolling);
-        }
-        if parts.twist {
-            memories.twist[..contacts.len()].copy_from_slice(&self.twist[contacts.clone()]);
-        }
-        if parts.stiffness {
-            memories.stiffness[..contacts.len()].copy_from_slice(&self.stiffness[contacts]);
+        if layout.keeps_existence {
+            memories.set_exists(lane, self.exists[at]);
         }
     }
 
     /// Overwrites the memories of the given contacts, at most [`LANES`], from lanes.
     #[inline]
-    pub(super) fn write(&mut self, parts: MemoryParts, contacts: Range<usize>, memories: &MemoryLanes<V>) {
-        fn write<T: Linear>(column: &mut [T], lanes: &Lanes<T>) {
-            for (lane, place) in column.iter_mut().enumerate().take(LANES) {
-                *place = lanes.get(lane);
+    pub(super) fn write(&mut self, layout: &MemoryLayout, contacts: Range<usize>, memories: &MemoryLanes) {
+        for (column, numbers) in self.numbers.iter_mut().zip(&memories.numbers).take(layout.count) {
+            column[contacts.clone()].copy_from_slice(&numbers[..contacts.len()]);
+        }
+        if layout.keeps_existence {
+            for (lane, exists) in self.exists[contacts].iter_mut().enumerate() {
+                *exists = memories.exists >> lane & 1 == 1;
             }
-        }
-        if parts.spring {
-            write(&mut self.spring[contacts.clone()], &memories.spring);
-        }
-        if parts.rolling {
-            write(&mut self.rolling[contacts.clone()], &memories.rolling);
-        }
-        if parts.twist {
-            self.twist[contacts.clone()].copy_from_slice(&memories.twist[..contacts.len()]);
-        }
-        if parts.stiffness {
-            self.stiffness[contacts.clone()].copy_from_slice(&memories.stiffness[..contacts.len()]);
         }
     }
 
@@ -272,23 +235,31 @@ impl<V: Space> HistoryBlock<V> {
 
     /// Returns the memory of a contact.
     #[must_use]
-    pub fn look_up(&self, contact: Candidate) -> Option<Memory<V>> {
+    pub fn look_up(&self, contact: Candidate) -> Option<Memory> {
         Some(self.memory(self.contacts.binary_search(&contact).ok()?))
+    }
+
+    /// Returns the position of a contact, for calls in ascending order of contacts. `from` is the position of the last
+    /// look-up; start with 0.
+    #[inline]
+    #[must_use]
+    pub(in crate::contact) fn next_position(&self, from: &mut usize, contact: Candidate) -> Option<usize> {
+        while self.contacts.get(*from).is_some_and(|&before| before < contact) {
+            *from += 1;
+        }
+        (self.contacts.get(*from) == Some(&contact)).then_some(*from)
     }
 
     /// Returns the memory of a contact, for calls in ascending order of contacts. `from` is the position of the last
     /// look-up; start with 0.
     #[inline]
     #[must_use]
-    pub fn look_up_next(&self, from: &mut usize, contact: Candidate) -> Option<Memory<V>> {
-        while self.contacts.get(*from).is_some_and(|&before| before < contact) {
-            *from += 1;
-        }
-        (self.contacts.get(*from) == Some(&contact)).then(|| self.memory(*from))
+    pub fn look_up_next(&self, from: &mut usize, contact: Candidate) -> Option<Memory> {
+        self.next_position(from, contact).map(|at| self.memory(at))
     }
 
     /// Returns every contact with its memory.
-    pub(super) fn all(&self) -> impl Iterator<Item = (Candidate, Memory<V>)> {
+    pub(super) fn all(&self) -> impl Iterator<Item = (Candidate, Memory)> {
         self.contacts.iter().enumerate().map(|(at, &contact)| (contact, self.memory(at)))
     }
 }

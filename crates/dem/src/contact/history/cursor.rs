@@ -1,31 +1,31 @@
-//! History cursor: moves along a history block in ascending order of contacts, with the kernel. It reads the memories
+//! History cursor: moves along a history block in ascending order of contacts, with the force pass. It reads the memories
 //! of the previous pass and writes the new ones.
 //!
 //! In a bed at rest a pass finds the contacts of the previous pass. As long as it does, memories are overwritten in
 //! place. From the first new or ended contact on, the block is rewritten: it is swapped with a spare block.
 
 use crate::contact::batch::MemoryLanes;
-use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock};
-use crate::contact::{Memory, MemoryParts};
+use crate::contact::history::block::HistoryBlock;
+use crate::contact::history::losses::{ContactLosses, EndLosses};
+use crate::contact::memory::{Memory, MemoryLayout};
 use crate::neighbours::list::{Candidate, are_same};
-use crate::space::Space;
 
-/// A history block and the position of the kernel in it.
-pub struct HistoryCursor<'a, V: Space> {
-    block: &'a mut HistoryBlock<V>,
+/// A history block and the position of the force pass in it.
+pub struct HistoryCursor<'a> {
+    block: &'a mut HistoryBlock,
     /// The block of the previous pass, once the block is being rewritten.
-    spare: &'a mut HistoryBlock<V>,
-    parts: MemoryParts,
+    spare: &'a mut HistoryBlock,
+    layout: &'a MemoryLayout,
     is_rewriting: bool,
     /// Number of contacts of the previous pass that have been visited.
     passed: usize,
 }
 
-impl<'a, V: Space> HistoryCursor<'a, V> {
-    /// Returns a cursor at the start of a block of memories with the components `parts`.
+impl<'a> HistoryCursor<'a> {
+    /// Returns a cursor at the start of a block of memories of a layout.
     #[must_use]
-    pub fn new(block: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>, parts: MemoryParts) -> Self {
-        Self { block, spare, parts, is_rewriting: false, passed: 0 }
+    pub fn new(block: &'a mut HistoryBlock, spare: &'a mut HistoryBlock, layout: &'a MemoryLayout) -> Self {
+        Self { block, spare, layout, is_rewriting: false, passed: 0 }
     }
 
     /// Starts to rewrite the block from the current position on.
@@ -33,41 +33,49 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
     fn start_rewrite(&mut self) {
         self.is_rewriting = true;
         std::mem::swap(self.block, self.spare);
-        self.block.copy_front(self.parts, self.spare, self.passed);
+        self.block.copy_front(self.layout, self.spare, self.passed);
     }
 
     /// Loads the memories of `contacts` if these are exactly the next contacts of the previous pass. Returns whether
     /// they are.
     #[inline]
-    pub(in crate::contact) fn recall_all(&mut self, contacts: &[Candidate], memories: &mut MemoryLanes<V>) -> bool {
+    pub(in crate::contact) fn recall_all(&mut self, contacts: &[Candidate], memories: &mut MemoryLanes) -> bool {
         let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         let next = self.passed..self.passed + contacts.len();
         let are_next = before.contacts.get(next.clone()).is_some_and(|known| are_same(known, contacts));
         if are_next {
             self.passed = next.end;
-            before.read(self.parts, next, memories);
+            before.read(self.layout, next, memories);
         }
         are_next
     }
 
-    /// Returns the memory of a contact, or `None` if it is new. Contacts that are skipped have ended: `on_end` receives
-    /// each of them with its memory.
+    /// Loads the memory of a contact into a lane. Returns whether the contact has one; that of a new contact is empty. Contacts that are
+    /// skipped have ended: `on_end` receives each of them with its memory.
     #[inline]
-    pub fn recall(&mut self, contact: Candidate, mut on_end: impl FnMut(Candidate, &Memory<V>)) -> Option<Memory<V>> {
+    pub(in crate::contact) fn recall(
+        &mut self,
+        contact: Candidate,
+        lane: usize,
+        memories: &mut MemoryLanes,
+        mut on_end: impl FnMut(Candidate, &Memory),
+    ) -> bool {
         if !self.is_rewriting {
             self.start_rewrite();
         }
         while let Some(&next) = self.spare.contacts.get(self.passed)
             && next <= contact
         {
-            let memory = self.spare.memory(self.passed);
+            let at = self.passed;
             self.passed += 1;
             if next == contact {
-                return Some(memory);
+                self.spare.read_one(self.layout, at, lane, memories);
+                return true;
             }
-            on_end(next, &memory);
+            on_end(next, &self.spare.memory(at));
         }
-        None
+        memories.clear(self.layout, lane);
+        false
     }
 
     /// Whether a contact that has not been visited has an entry of the previous pass.
@@ -86,11 +94,11 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
 
     /// Stores the memories of `contacts`, which have just been recalled.
     #[inline]
-    pub(crate) fn remember_all(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
+    pub(crate) fn remember_all(&mut self, contacts: &[Candidate], memories: &MemoryLanes) {
         if self.is_rewriting {
-            self.block.extend(self.parts, contacts, memories);
+            self.block.extend(self.layout, contacts, memories);
         } else {
-            self.block.write(self.parts, self.passed - contacts.len()..self.passed, memories);
+            self.block.write(self.layout, self.passed - contacts.len()..self.passed, memories);
         }
     }
 
@@ -101,7 +109,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
 
     /// Ends the block: the remaining contacts of the previous pass have ended. `lost` is the energy lost in these rows;
     /// `on_end` returns the energy lost with an ended contact, J.
-    pub fn end(&mut self, mut lost: ContactLosses, mut on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {
+    pub fn end(&mut self, mut lost: ContactLosses, mut on_end: impl FnMut(Candidate, &Memory) -> EndLosses) {
         let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         for at in self.passed..before.len() {
             lost.add(on_end(before.contacts[at], &before.memory(at)));
@@ -117,7 +125,6 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
 mod tests {
     use super::*;
     use crate::contact::history::tests::{SPRINGS, memory};
-    use crate::space::Plane;
 
     /// Returns losses by sliding and by rolling, J.
     fn lost(sliding: f64, rolling: f64) -> ContactLosses {
@@ -134,7 +141,7 @@ mod tests {
     }
 
     /// Returns the history of four particles, with springs of 0.1 to 0.4 m.
-    fn block() -> HistoryBlock<Plane> {
+    fn block() -> HistoryBlock {
         let mut block = HistoryBlock::default();
         for (contact, spring) in contacts().into_iter().zip([0.1, 0.2, 0.3, 0.4]) {
             block.push(SPRINGS, contact, &memory(spring));
@@ -142,8 +149,8 @@ mod tests {
         block
     }
 
-    fn springs(block: &HistoryBlock<Plane>) -> Vec<([usize; 2], f64)> {
-        block.all().map(|(contact, memory)| (contact.both(), memory.spring.x)).collect()
+    fn springs(block: &HistoryBlock) -> Vec<([usize; 2], f64)> {
+        block.all().map(|(contact, memory)| (contact.both(), memory.numbers[0])).collect()
     }
 
     #[test]
@@ -156,8 +163,7 @@ mod tests {
             let mut memories = MemoryLanes::default();
             assert!(cursor.recall_all(contacts, &mut memories));
             for lane in 0..contacts.len() {
-                let Memory { spring, .. } = memories.get_all(lane);
-                memories.set_all(lane, &memory(2.0 * spring.x));
+                memories.numbers[0][lane] *= 2.0;
             }
             cursor.remember_all(contacts, &memories);
         }
@@ -181,10 +187,12 @@ mod tests {
             let contacts: Vec<_> = contacts.iter().copied().map(pair).collect();
             assert!(!cursor.recall_all(&contacts, &mut memories));
         }
-        assert_eq!(cursor.recall(pair([0, 2]), |_, _| panic!("no contact has ended")), None);
-        let recalled = cursor.recall(pair([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
-        assert_eq!((recalled, &gone[..]), (Some(memory(0.3)), &[([0, 3], 0.2)][..]));
-        [5.0, 6.0].into_iter().enumerate().for_each(|(lane, spring)| memories.set_all(lane, &memory(spring)));
+        assert!(!cursor.recall(pair([0, 2]), 0, &mut memories, |_, _| panic!("no contact has ended")));
+        assert_eq!(memories.memory(SPRINGS, 0), memory(0.0));
+        let ended = |contact: Candidate, memory: &Memory| gone.push((contact.both(), memory.numbers[0]));
+        assert!(cursor.recall(pair([1, 2]), 1, &mut memories, ended));
+        assert_eq!((memories.memory(SPRINGS, 1), &gone[..]), (memory(0.3), &[([0, 3], 0.2)][..]));
+        [5.0, 6.0].into_iter().enumerate().for_each(|(lane, spring)| memories.numbers[0][lane] = spring);
         cursor.remember_all(&[[0, 2], [1, 2]].map(pair), &memories);
         // From here on a whole batch matches again.
         assert!(cursor.recall_all(&contacts()[3..], &mut memories));
@@ -201,11 +209,11 @@ mod tests {
             let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
             let mut memories = MemoryLanes::default();
             if is_rewriting {
-                assert!(cursor.recall(pair([0, 0]), |_, _| panic!("no contact has ended")).is_none());
+                assert!(!cursor.recall(pair([0, 0]), 0, &mut memories, |_, _| panic!("no contact has ended")));
             }
             assert!(cursor.recall_all(&contacts()[..2], &mut memories));
             cursor.remember_all(&contacts()[..2], &memories);
-            cursor.end(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0, 0.0]);
+            cursor.end(lost(1.0, 2.0), |_, memory| EndLosses { sliding: memory.numbers[0], ..EndLosses::default() });
             assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 3], 0.2)]);
             assert_eq!(block.lost, lost(1.0 + 0.3 + 0.4, 2.0));
         }

@@ -7,6 +7,12 @@
 //! | `number` | | the partner's id; for a wall grain its number; for a wall its place among all surfaces of the scene (a polygon has several); from 1 |
 //! | `wall` | | name of the wall, empty if it has none; may be missing |
 //! | `at_x`, `at_y`, `at_z` | m | point of the wall that the grain touches, for a wall grain its centre, empty for a grain; may be missing |
+//!
+//! All other columns are numbers of the memory, seen from `grain`, under the names that the law gives its variables
+//! ([`MemoryVariable`](crate::contact::memory::MemoryVariable)). A file of the program's own laws has all of these:
+//!
+//! | column | unit | meaning |
+//! |---|---|---|
 //! | `spring_x`, `spring_y`, `spring_z` | m | tangential spring, seen from `grain` |
 //! | `rolling_x`, `rolling_y`, `rolling_z` | m | rolling spring |
 //! | `stiffness` | N/m | tangential stiffness at the last evaluation, for laws whose stiffness changes |
@@ -18,15 +24,18 @@
 //! and the scene that reads the rows finds their walls by them. Without a point `number` counts.
 
 use std::collections::HashMap;
+use std::fmt;
 use std::io;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::contact::history::{History, HistoryBlock, rewrite};
-use crate::contact::{Memory, MemoryParts};
+use crate::contact::memory::{Memory, MemoryLayout};
+use crate::contact::spring_memory;
 use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
-use crate::space::{Solid, Space};
+use crate::space::{Plane, Solid, Space};
 use crate::store::ParticleStore;
 use crate::walls::surface_wall::SurfaceWall;
 
@@ -43,8 +52,7 @@ pub enum PartnerKind {
 }
 
 /// The memory of a contact: one row of the file.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Remembered {
     /// Number of a grain.
     pub grain: u32,
@@ -52,75 +60,120 @@ pub struct Remembered {
     pub with: PartnerKind,
     /// Number of its partner.
     pub number: u32,
-    spring_x: f64,
-    spring_y: f64,
-    spring_z: f64,
-    rolling_x: f64,
-    rolling_y: f64,
-    rolling_z: f64,
-    stiffness: f64,
-    #[serde(default)]
-    twist: f64,
+    /// Numbers of the memory, one for each of [`RememberedContacts::columns`].
+    numbers: Vec<f64>,
     /// Name of the wall.
-    #[serde(default)]
     pub wall: Option<String>,
-    #[serde(default)]
-    at_x: Option<f64>,
-    #[serde(default)]
-    at_y: Option<f64>,
-    #[serde(default)]
-    at_z: Option<f64>,
+    at: [Option<f64>; 3],
 }
 
 impl Remembered {
-    fn new<V: Space>(grain: GrainId, (with, number): (PartnerKind, u32), memory: &Memory<V>) -> Self {
-        let spring = memory.spring.spread();
-        let rolling = memory.rolling.spread();
-        Self {
-            grain: grain.number(),
-            with,
-            number,
-            spring_x: spring.x,
-            spring_y: spring.y,
-            spring_z: spring.z,
-            rolling_x: rolling.x,
-            rolling_y: rolling.y,
-            rolling_z: rolling.z,
-            stiffness: memory.stiffness,
-            twist: memory.twist,
-            wall: None,
-            at_x: None,
-            at_y: None,
-            at_z: None,
-        }
-    }
-
     /// The point of the wall that the grain touches, or the centre of the wall grain, m.
     #[must_use]
     pub fn at(&self) -> Option<Solid> {
-        Some(Solid::new(self.at_x?, self.at_y?, self.at_z?))
+        let [x, y, z] = self.at;
+        Some(Solid::new(x?, y?, z?))
     }
 
     /// The row with this partner at this point (m).
     #[must_use]
     pub fn with_partner_at(self, number: u32, at: Solid) -> Self {
-        Self { number, at_x: Some(at.x), at_y: Some(at.y), at_z: Some(at.z), ..self }
-    }
-
-    /// The memory, seen from `grain`.
-    fn memory<V: Space>(&self) -> Memory<V> {
-        Memory {
-            spring: V::narrow(Solid::new(self.spring_x, self.spring_y, self.spring_z)),
-            rolling: V::narrow(Solid::new(self.rolling_x, self.rolling_y, self.rolling_z)),
-            stiffness: self.stiffness,
-            twist: self.twist,
-        }
+        Self { number, at: [Some(at.x), Some(at.y), Some(at.z)], ..self }
     }
 
     fn is_finite(&self) -> bool {
-        let springs = [self.spring_x, self.spring_y, self.spring_z, self.rolling_x, self.rolling_y, self.rolling_z];
-        let at = [self.at_x, self.at_y, self.at_z].into_iter().flatten();
-        springs.into_iter().chain([self.stiffness, self.twist]).chain(at).all(f64::is_finite)
+        self.numbers.iter().chain(self.at.iter().flatten()).copied().all(f64::is_finite)
+    }
+}
+
+/// The memories of contacts: the content of the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RememberedContacts {
+    /// Names of the columns of numbers.
+    pub columns: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Remembered>,
+}
+
+/// Columns before and after the numbers of the memory.
+const FIRST: [&str; 3] = ["grain", "with", "number"];
+const LAST: [&str; 4] = ["wall", "at_x", "at_y", "at_z"];
+
+/// A row with the names of its columns.
+struct NamedRow {
+    columns: Vec<String>,
+    row: Remembered,
+}
+
+impl<'de> Deserialize<'de> for NamedRow {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(RowVisitor)
+    }
+}
+
+struct RowVisitor;
+
+impl<'de> Visitor<'de> for RowVisitor {
+    type Value = NamedRow;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a row of a file of memories")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<NamedRow, A::Error> {
+        let mut grain = None;
+        let mut with = None;
+        let mut number = None;
+        let mut wall = None;
+        let mut at = [None; 3];
+        let mut columns = Vec::new();
+        let mut numbers = Vec::new();
+        while let Some(name) = map.next_key::<String>()? {
+            match name.as_str() {
+                "grain" => grain = Some(map.next_value()?),
+                "with" => with = Some(map.next_value()?),
+                "number" => number = Some(map.next_value()?),
+                "wall" => wall = map.next_value()?,
+                "at_x" => at[0] = map.next_value()?,
+                "at_y" => at[1] = map.next_value()?,
+                "at_z" => at[2] = map.next_value()?,
+                _ => {
+                    numbers.push(map.next_value()?);
+                    columns.push(name);
+                }
+            }
+        }
+        let missing = |name| A::Error::missing_field(name);
+        let row = Remembered {
+            grain: grain.ok_or_else(|| missing(FIRST[0]))?,
+            with: with.ok_or_else(|| missing(FIRST[1]))?,
+            number: number.ok_or_else(|| missing(FIRST[2]))?,
+            numbers,
+            wall,
+            at,
+        };
+        check_names(&columns).map_err(A::Error::custom)?;
+        Ok(NamedRow { columns, row })
+    }
+}
+
+/// Refuses a file of the program's own laws with unknown or missing columns. A file without any column of these laws is one of a law of
+/// another crate, whose columns are known only to that law.
+fn check_names(columns: &[String]) -> Result<(), String> {
+    let own = MemoryLayout::new::<Plane>(spring_memory::ALL, false).columns();
+    if columns == own || !columns.iter().any(|column| own.contains(column)) {
+        return Ok(());
+    }
+    if let Some(unknown) = columns.iter().find(|column| !own.contains(column)) {
+        let known = FIRST.into_iter().chain(own.iter().map(String::as_str)).chain(LAST);
+        let known: Vec<_> = known.map(|name| format!("`{name}`")).collect();
+        return Err(format!("unknown field `{unknown}`, expected one of {}", known.join(", ")));
+    }
+    // Files of earlier versions have no twist.
+    let required = own.iter().filter(|name| *name != spring_memory::TWIST.name);
+    match required.into_iter().find(|name| !columns.contains(name)) {
+        Some(missing) => Err(format!("missing field `{missing}`")),
+        None => Ok(()),
     }
 }
 
@@ -128,36 +181,58 @@ impl Remembered {
 ///
 /// # Errors
 /// The reason, with the line.
-pub fn read(file: impl io::Read) -> Result<Vec<Remembered>, String> {
+pub fn read(file: impl io::Read) -> Result<RememberedContacts, String> {
     let mut reader = csv::Reader::from_reader(file);
-    let mut rows = Vec::new();
+    let mut contacts = RememberedContacts::default();
     // Rows would be read as if there were none if the header cannot be read.
     reader.headers().map_err(|error| error.to_string())?;
     for row in reader.into_deserialize() {
-        let row: Remembered = row.map_err(|error| error.to_string())?;
+        let NamedRow { columns, row } = row.map_err(|error| error.to_string())?;
         if !row.is_finite() {
-            return Err(format!("row {}: every number must be finite", rows.len() + 1));
+            return Err(format!("row {}: every number must be finite", contacts.rows.len() + 1));
         }
-        rows.push(row);
+        contacts.columns = columns;
+        contacts.rows.push(row);
     }
-    Ok(rows)
+    Ok(contacts)
 }
 
 /// Returns the text of a file of memories.
 ///
 /// # Errors
 /// If a row cannot be written.
-pub fn write(rows: &[Remembered]) -> Result<String, String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|error| error.to_string())?;
+pub fn write(contacts: &RememberedContacts) -> Result<String, String> {
+    let RememberedContacts { columns, rows } = contacts;
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    if !rows.is_empty() {
+        let header = FIRST.into_iter().chain(columns.iter().map(String::as_str)).chain(LAST);
+        writer.write_record(header).map_err(|error| error.to_string())?;
+    }
+    for Remembered { grain, with, number, numbers, wall, at } in rows {
+        writer.serialize((grain, with, number, numbers, wall, at)).map_err(|error| error.to_string())?;
+    }
     let bytes = writer.into_inner().map_err(|error| error.to_string())?;
     String::from_utf8(bytes).map_err(|error| error.to_string())
 }
 
-impl<V: Space> History<V> {
-    /// Returns the memories of all contacts of the present grains, in the order of slots. Rows of walls have no name yet.
+impl History {
+    /// Returns the memories of all contacts of the present grains, in the order of slots. Rows of walls have no name yet. `layout` is that
+    /// of the memories.
     #[must_use]
-    pub fn remembered(&self, store: &ParticleStore<V>, surfaces: &[SurfaceWall<V>]) -> Vec<Remembered> {
+    pub fn remembered<V: Space>(
+        &self,
+        store: &ParticleStore<V>,
+        surfaces: &[SurfaceWall<V>],
+        layout: &MemoryLayout,
+    ) -> RememberedContacts {
+        let row = |grain: GrainId, with: PartnerKind, number: u32, memory: &Memory| Remembered {
+            grain: grain.number(),
+            with,
+            number,
+            numbers: layout.to_columns::<V>(memory),
+            wall: None,
+            at: [None; 3],
+        };
         let are_present = |slots: &[usize]| slots.iter().all(|&slot| store.is_present(slot));
         let pairs = self.pair_blocks.iter().flat_map(HistoryBlock::all);
         let pairs = pairs.filter(|(contact, memory)| are_present(&contact.both()) && !memory.is_empty());
@@ -165,10 +240,10 @@ impl<V: Space> History<V> {
             let [i, j] = contact.both();
             let id = store.id[j];
             if id.is_wall() {
-                let row = Remembered::new(store.id[i], (PartnerKind::WallGrain, id.number()), &memory);
+                let row = row(store.id[i], PartnerKind::WallGrain, id.number(), &memory);
                 row.with_partner_at(id.number(), store.body[j].position.spread())
             } else {
-                Remembered::new(store.id[i], (PartnerKind::Grain, id.number()), &memory)
+                row(store.id[i], PartnerKind::Grain, id.number(), &memory)
             }
         });
         let walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
@@ -177,28 +252,31 @@ impl<V: Space> History<V> {
             let [i, index] = contact.both();
             let number = u32::try_from(index + 1).ok()?;
             let at = surfaces.get(index)?.surface.nearest_point(store.body[i].position);
-            let row = Remembered::new(store.id[i], (PartnerKind::Wall, number), &memory);
+            let row = row(store.id[i], PartnerKind::Wall, number, &memory);
             Some(row.with_partner_at(number, at.spread()))
         });
-        pairs.chain(walls).collect()
+        RememberedContacts { columns: layout.columns(), rows: pairs.chain(walls).collect() }
     }
 
     /// Replaces all memories. Walls are found by their numbers, up to `surfaces`. Rows of particles and walls that do not exist are
-    /// left out: the scene that reads them has refused them.
-    pub(in crate::contact) fn replace(
+    /// left out: the scene that reads them has refused them. Variables of the law without a column are zero.
+    pub(in crate::contact) fn replace<V: Space>(
         &mut self,
         store: &ParticleStore<V>,
         surfaces: usize,
-        rows: &[Remembered],
-        parts: MemoryParts,
+        contacts: &RememberedContacts,
+        layout: &MemoryLayout,
     ) {
+        let columns = layout.columns();
+        let places: Vec<_> =
+            columns.iter().map(|name| contacts.columns.iter().position(|column| column == name)).collect();
         let slots: HashMap<GrainId, u32> = store.id.iter().copied().zip(0..).collect();
         let slot = |id: Option<GrainId>| slots.get(&id?).copied();
         let mut pairs = Vec::new();
         let mut walls = Vec::new();
-        for row in rows {
+        for row in &contacts.rows {
             let Some(i) = slot(GrainId::grain(row.grain)) else { continue };
-            let memory = row.memory::<V>();
+            let memory = layout.from_columns::<V>(|column| places[column].map_or(0.0, |place| row.numbers[place]));
             let j = match row.with {
                 PartnerKind::Grain => slot(GrainId::grain(row.number)),
                 PartnerKind::WallGrain => slot(GrainId::numbered_wall(row.number)),
@@ -209,7 +287,7 @@ impl<V: Space> History<V> {
                 }
             };
             if let Some(j) = j.filter(|&j| j != i) {
-                let memory = if i > j { memory.seen_from_partner() } else { memory };
+                let memory = if i > j { layout.seen_from_partner(&memory) } else { memory };
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
         }
@@ -217,7 +295,7 @@ impl<V: Space> History<V> {
             // A contact that occurs twice keeps its first row.
             contacts.sort_by_key(|(contact, _)| *contact);
             contacts.dedup_by_key(|(contact, _)| *contact);
-            rewrite(blocks, store, contacts, parts);
+            rewrite(blocks, store, contacts, layout);
         }
     }
 }
@@ -225,12 +303,22 @@ impl<V: Space> History<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::history::tests::{SPRINGS, memory, store};
+    use crate::contact::history::tests::{memory, store};
     use crate::particle::Species;
-    use crate::space::Plane;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::surface::Surface;
     use siloflow_text::encoding::TextReader;
+
+    /// The layout of friction with a spring.
+    const LAYOUT: &MemoryLayout = &MemoryLayout::new::<Plane>(
+        &[
+            spring_memory::SPRING,
+            spring_memory::ROLLING.kept_if(false),
+            spring_memory::STIFFNESS.kept_if(false),
+            spring_memory::TWIST.kept_if(false),
+        ],
+        false,
+    );
 
     #[test]
     fn memories_pass_from_one_order_of_slots_to_another() {
@@ -239,29 +327,29 @@ mod tests {
         let mut history = History::default();
         for contact in [[0, 1], [3, 700], [1200, 1400]] {
             let block = &mut history.blocks_mut(&before).0[contact[0] as usize / 1024];
-            block.push(SPRINGS, contact.into(), &memory(0.1 + f64::from(contact[0])));
+            block.push(LAYOUT, contact.into(), &memory(0.1 + f64::from(contact[0])));
         }
-        history.blocks_mut(&before).1[0].push(SPRINGS, [5, 2].into(), &memory(7.0));
+        history.blocks_mut(&before).1[0].push(LAYOUT, [5, 2].into(), &memory(7.0));
         let floor = Surface::HalfPlane(HalfPlane { point: Plane::ZERO, normal: Plane::Y });
         let walls = vec![SurfaceWall::still(floor, Species(0)); 3];
-        let text = write(&history.remembered(&before, &walls)).unwrap();
-        let rows = read(text.as_bytes()).unwrap();
-        assert_eq!((rows.len(), &rows), (4, &history.remembered(&before, &walls)));
+        let text = write(&history.remembered(&before, &walls, LAYOUT)).unwrap();
+        let read = read(text.as_bytes()).unwrap();
+        assert_eq!((read.rows.len(), &read), (4, &history.remembered(&before, &walls, LAYOUT)));
         // The point of the floor below grain 5.
-        assert_eq!((rows[3].number, rows[3].at()), (3, Some(Solid::new(5.0, 0.0, 0.0))));
+        assert_eq!((read.rows[3].number, read.rows[3].at()), (3, Some(Solid::new(5.0, 0.0, 0.0))));
         // In the reverse order, and without grain 700.
         let reversed: Vec<u32> = (0..1500).rev().filter(|&id| id != 700).collect();
         let after = store(&reversed, &[]);
         let slot = |id: u32| reversed.iter().position(|&other| other == id).unwrap();
         let mut passed = History::default();
-        passed.replace(&after, 3, &rows, SPRINGS);
-        let spring = |a: u32, b: u32| passed.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
+        passed.replace(&after, 3, &read, LAYOUT);
+        let spring = |a: u32, b: u32| passed.of_pair(slot(a), slot(b)).map(|memory| memory.numbers[0]);
         assert_eq!([spring(0, 1), spring(1200, 1400), spring(3, 4)], [Some(-0.1), Some(-1200.1), None]);
-        assert_eq!(passed.of_wall(slot(5), 2).map(|memory| memory.spring.x), Some(7.0));
-        assert_eq!(passed.remembered(&after, &walls).len(), 3);
+        assert_eq!(passed.of_wall(slot(5), 2).map(|memory| memory.numbers[0]), Some(7.0));
+        assert_eq!(passed.remembered(&after, &walls, LAYOUT).rows.len(), 3);
         // Without the third wall its memory is left out.
-        passed.replace(&after, 2, &rows, SPRINGS);
-        assert_eq!((passed.of_wall(slot(5), 2), passed.remembered(&after, &walls).len()), (None, 2));
+        passed.replace(&after, 2, &read, LAYOUT);
+        assert_eq!((passed.of_wall(slot(5), 2), passed.remembered(&after, &walls, LAYOUT).rows.len()), (None, 2));
     }
 
     #[test]

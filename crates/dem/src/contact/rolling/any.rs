@@ -1,4 +1,5 @@
-//! Rolling resistance whose kind is a number, not a type, with twisting resistance: one kernel serves all kinds.
+//! Rolling resistance whose kind is a number, not a type, with twisting resistance: the loop over contacts is compiled once for all
+//! kinds.
 //!
 //! | kind | rolling force F_r in v_r = R_eff (w_i - w_j) x n, capped at mu_r |F_n| | source |
 //! |---|---|---|
@@ -17,15 +18,19 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::centred::normal_load::NormalLoad;
+use crate::contact::law::Bounce;
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::Resistance;
 use crate::contact::rolling::{Rolling, RollingDamping, RollingResistance, mobilities, rolling_velocity, set_torques};
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
-use crate::contact::tangential::{NormalLoad, mean_of};
+use crate::contact::spring_memory::SpringMemory;
+use crate::contact::tangential::mean_of;
 use crate::contact::twisting::{Twisting, TwistingKeys};
-use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
-/// c dt/m_eff of the drag of `Torque` below v*.
+/// c dt/m_eff of the dashpot that `Torque` is below v*.
 const STOPPING: f64 = 0.05;
 
 /// The kind of a rolling resistance.
@@ -69,8 +74,9 @@ impl RollingKeys {
 /// Rolling resistance of any kind, or none.
 #[derive(Clone, Copy, Debug)]
 pub struct AnyRolling {
-    /// Stiffness, N/m, and the share of the tangential stiffness that is added.
+    /// The part of the stiffness that does not depend on the tangential stiffness, N/m.
     k: f64,
+    /// The share of the tangential stiffness that is added to `k`.
     share: f64,
     damping: RollingDamping,
     /// mu_r.
@@ -82,8 +88,8 @@ pub struct AnyRolling {
 }
 
 impl AnyRolling {
-    /// Creates the term. `tangential` is the tangential stiffness, N/m, if it is the same at every overlap. `fades` states
-    /// whether one that changes goes to zero where a contact begins and ends.
+    /// Creates the term. `tangential` is the tangential stiffness of the law, N/m, or `None` if it depends on the overlap. In that case
+    /// `fades` states whether the stiffness goes to zero where a contact begins and ends.
     #[must_use]
     pub fn new(
         keys: Option<RollingKeys>,
@@ -123,7 +129,7 @@ impl AnyRolling {
         // No force at rest, even if the evaluation does not advance time.
         let speed = velocity.length().max(slowest).max(1e-100);
         let force = velocity * (-cap / speed);
-        SliderForce { force, drag: force, lost: 0.0, is_sliding: speed > slowest }
+        SliderForce { force, dashpot: force, lost: 0.0, is_sliding: speed > slowest }
     }
 
     /// Adapts the spring to a stiffness that has changed from the first to the second, N/m; returns the energy that it loses, J.
@@ -142,28 +148,38 @@ impl Rolling for AnyRolling {
     const TWISTING: bool = true;
 
     #[inline(always)]
-    fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+    fn add<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        normal_force: f64,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
+    ) {
         let velocity = rolling_velocity(pair);
-        let [before, k] = [turning.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
+        let [before, k] = [resistance.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
         let cap = self.friction * normal_force.abs();
         let mut rolling = memory.rolling;
         let mut dt = pair.dt;
-        let ahead = velocity * pair.lead;
+        let ahead = velocity * pair.springs_ahead;
         if pair.is_predicted() {
             dt *= mean_of(self.fades, before, k);
         }
         rolling -= ahead;
         let lost = Self::adapt(&mut rolling, [before, k]);
         rolling += ahead;
-        let drag = self.damping.of(pair.reduced_mass);
-        let slider = Slider { stiffness: k, drag, cap };
-        let mut pull =
-            slider.pull(&mut rolling, [velocity, rolling_velocity(&pair.gathering())], pair.normal, [dt, pair.lead]);
+        let dashpot = self.damping.of(pair.reduced_mass);
+        let slider = Slider { stiffness: k, dashpot, cap };
+        let mut pull = slider.pull(
+            &mut rolling,
+            [velocity, rolling_velocity(&pair.gathering())],
+            pair.normal,
+            [dt, pair.springs_ahead],
+        );
         pull.lost += lost;
         let torque = Self::torque(pair, velocity, cap);
         (memory.rolling, pull) = if self.is_torque { (V::ZERO, torque) } else { (rolling, pull) };
-        set_torques(pair, &pull, turning);
-        self.twisting.add(pair, normal_force, memory, turning);
+        set_torques(pair, &pull, resistance);
+        self.twisting.add(pair, normal_force, memory, resistance);
     }
 
     #[inline(always)]
@@ -171,22 +187,22 @@ impl Rolling for AnyRolling {
         &self,
         pair: &Pair<V>,
         load: &NormalLoad,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     ) {
-        let [before, mut k] = [turning.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
-        let mut drag = self.damping.of(pair.reduced_mass);
+        let [before, mut k] = [resistance.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
+        let mut dashpot = self.damping.of(pair.reduced_mass);
         if self.is_torque {
-            (k, drag) = (0.0, STOPPING * pair.reduced_mass / pair.dt);
+            (k, dashpot) = (0.0, STOPPING * pair.reduced_mass / pair.dt);
         }
         let middle = rolling_velocity(pair);
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.lead]);
+        memory.rolling = at_evaluation(memory.rolling, motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.rolling * -before;
-        sweep.mean_drags = load.mean_drags(|share, _| drag * share);
+        sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         // Over a release the stiffness is that of the evaluation: there is none of a later overlap.
-        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (k, drag)));
+        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (k, dashpot)));
         let mut lost = 0.0;
         if self.share > 0.0 {
             sweep.gathering *= mean_of(self.fades, before, k);
@@ -197,32 +213,32 @@ impl Rolling for AnyRolling {
             }
             lost = Self::adapt(&mut memory.rolling, [before, k]);
         }
-        let slider = Slider { stiffness: k, drag, cap: self.friction * load.whole.abs() };
+        let slider = Slider { stiffness: k, dashpot, cap: self.friction * load.whole.abs() };
         let mut pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
         pull.lost += lost;
         if self.is_torque {
             memory.rolling = V::ZERO;
         }
-        set_torques(pair, &pull, turning);
-        self.twisting.add_centred(pair, load, memory, turning);
+        set_torques(pair, &pull, resistance);
+        self.twisting.add_centred(pair, load, memory, resistance);
     }
 
-    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let spring = memory.rolling - rolling_velocity(pair) * pair.lead;
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
+        let spring = memory.rolling - rolling_velocity(pair) * pair.springs_ahead;
         let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
         0.5 * k * spring.length_squared() + self.twisting.energy(pair, memory)
     }
 
     fn modes(&self, bounce: &Bounce, tangential: f64) -> [[f64; 2]; 2] {
-        // The drag of a constant torque follows the step.
+        // The dashpot coefficient of a constant torque depends on the step.
         let resists = !self.is_torque && self.friction > 0.0;
         let rolling = [self.stiffness(tangential), self.damping.of(bounce.reduced_mass)];
         [if resists { rolling } else { [0.0; 2] }, self.twisting.mode(bounce.reduced_mass)]
     }
 
-    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = rolling_velocity(&pair.gathering());
-        let spring = memory.rolling - velocity * pair.lead;
+        let spring = memory.rolling - velocity * pair.springs_ahead;
         let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
         lost_at_contact_end(k, spring, velocity, pair.dt) + self.twisting.on_contact_end(pair, memory)
     }
@@ -231,15 +247,15 @@ impl Rolling for AnyRolling {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::tests::pair;
+    use crate::contact::pair::tests::pair;
     use crate::space::Vector;
 
-    fn turn(keys: RollingKeys, spin: f64, dt: f64) -> Turning {
+    fn turn(keys: RollingKeys, spin: f64, dt: f64) -> Resistance {
         let law = AnyRolling::new(Some(keys), None, Some(1e4), true);
-        let mut memory = Memory::default();
-        let mut turning = Turning::default();
-        law.add(&Pair { normal: Vector::Y, spins: [spin, 0.0], dt, ..pair() }, 100.0, &mut memory, &mut turning);
-        turning
+        let mut memory = SpringMemory::default();
+        let mut resistance = Resistance::default();
+        law.add(&Pair { normal: Vector::Y, spins: [spin, 0.0], dt, ..pair() }, 100.0, &mut memory, &mut resistance);
+        resistance
     }
 
     #[test]
@@ -270,15 +286,15 @@ mod tests {
             damping: Some(spring.damping),
             friction: spring.friction,
         };
-        let mut memory = Memory::default();
-        let mut turning = Turning::default();
+        let mut memory = SpringMemory::default();
+        let mut resistance = Resistance::default();
         spring.add(
             &Pair { normal: Vector::Y, spins: [0.3, 0.0], dt: 1e-4, ..pair() },
             100.0,
             &mut memory,
-            &mut turning,
+            &mut resistance,
         );
         let any = turn(keys, 0.3, 1e-4);
-        assert!((any.rolling / turning.rolling - 1.0).abs() < 1e-15);
+        assert!((any.rolling / resistance.rolling - 1.0).abs() < 1e-15);
     }
 }

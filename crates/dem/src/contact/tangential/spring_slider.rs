@@ -1,34 +1,38 @@
 //! Friction with memory: a spring and a dashpot in the tangent plane, F_t = -k_t S - c_t v_t, capped together at mu
 //! |F_n|.
 //!
-//! A [`Modulus`] gives stiffness and drag, constant or dependent on the contact.
+//! A [`Modulus`] gives stiffness and dashpot coefficient, constant or dependent on the contact.
 
+use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::damping::Coefficient;
+use crate::contact::law::Bounce;
+use crate::contact::pair::Pair;
+use crate::contact::pair_force::Resistance;
 use crate::contact::spring::{Slider, at_evaluation, lost_at_contact_end};
-use crate::contact::tangential::{Lever, NormalLoad, Tangential};
-use crate::contact::{Bounce, Memory, Pair, Turning};
+use crate::contact::spring_memory::SpringMemory;
+use crate::contact::tangential::{Lever, Tangential};
 use crate::space::Space;
 
-/// The tangential stiffness and drag of a contact.
+/// The tangential stiffness and dashpot coefficient of a contact.
 pub trait Modulus: Copy + Send + Sync + 'static {
     /// Whether the stiffness changes while a contact lasts.
     const VARIES: bool;
     /// Whether a stiffness that changes goes to zero where a contact begins and ends.
     const FADES: bool = true;
 
-    /// Returns k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
-    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
+    /// Returns k_t (N/m) and c_t (N s/m); `normal_dashpot` is the normal c, N s/m.
+    fn of<V: Space>(&self, pair: &Pair<V>, normal_dashpot: f64) -> (f64, f64);
 
-    /// Returns the mean of c_t over a step that has a contact in the fraction `share`, N s/m. `normal_drag` is the mean of the
+    /// Returns the mean of c_t over a step that has a contact in the fraction `share`, N s/m. `normal_dashpot` is the mean of the
     /// normal c.
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, share: f64, normal_drag: f64) -> f64;
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, share: f64, normal_dashpot: f64) -> f64;
 
-    /// Returns the k_t of the last evaluation of a spring, N/m. `memory` is [`Memory::stiffness`], set if the stiffness
+    /// Returns the k_t of the last evaluation of a spring, N/m. `memory` is [`SpringMemory::stiffness`], set if the stiffness
     /// varies.
     fn remembered(&self, memory: f64) -> f64;
 
     /// Returns k_t (N/m) and c_t (N s/m) at the deepest point of a bounce.
-    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
+    fn at(&self, bounce: &Bounce, normal_dashpot: f64) -> [f64; 2];
 }
 
 /// A constant k_t in every contact.
@@ -44,21 +48,21 @@ impl Modulus for ConstantStiffness {
     const VARIES: bool = false;
 
     #[inline(always)]
-    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
-        (self.k, self.damping.of(pair.reduced_mass, normal_drag))
+    fn of<V: Space>(&self, pair: &Pair<V>, normal_dashpot: f64) -> (f64, f64) {
+        (self.k, self.damping.of(pair.reduced_mass, normal_dashpot))
     }
 
     #[inline(always)]
-    fn mean_drag<V: Space>(&self, pair: &Pair<V>, share: f64, normal_drag: f64) -> f64 {
-        self.damping.mean(pair.reduced_mass, share, normal_drag)
+    fn mean_dashpot<V: Space>(&self, pair: &Pair<V>, share: f64, normal_dashpot: f64) -> f64 {
+        self.damping.mean(pair.reduced_mass, share, normal_dashpot)
     }
 
     fn remembered(&self, _: f64) -> f64 {
         self.k
     }
 
-    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
-        [self.k, self.damping.of(bounce.reduced_mass, normal_drag)]
+    fn at(&self, bounce: &Bounce, normal_dashpot: f64) -> [f64; 2] {
+        [self.k, self.damping.of(bounce.reduced_mass, normal_dashpot)]
     }
 }
 
@@ -95,7 +99,7 @@ pub(in crate::contact) fn mean_of(fades: bool, before: f64, now: f64) -> f64 {
 impl<M: Modulus> SpringSlider<M> {
     /// Adapts the spring to a changed stiffness; returns the energy that it loses, J.
     #[inline(always)]
-    fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
+    fn adapt<V: Space>(k: f64, memory: &mut SpringMemory<V>) -> f64 {
         let before = memory.stiffness * memory.spring.length_squared();
         if k > memory.stiffness {
             memory.spring = memory.spring * (memory.stiffness / k);
@@ -114,31 +118,31 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         &self,
         pair: &Pair<V>,
         normal_force: f64,
-        normal_drag: f64,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        normal_dashpot: f64,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     ) {
-        let (stiffness, drag) = self.modulus.of(pair, normal_drag);
-        turning.arms = self.lever.arms(pair);
-        let velocity = pair.sliding_velocity(turning.arms);
-        let gathered = pair.gathering().sliding_velocity(turning.arms);
+        let (stiffness, dashpot) = self.modulus.of(pair, normal_dashpot);
+        resistance.arms = self.lever.arms(pair);
+        let velocity = pair.sliding_velocity(resistance.arms);
+        let gathered = pair.gathering().sliding_velocity(resistance.arms);
         let mut dt = pair.dt;
         if M::VARIES {
             if pair.is_predicted() {
                 dt *= mean_of(M::FADES, memory.stiffness, stiffness);
             }
-            turning.stiffness_before = memory.stiffness;
-            let ahead = velocity * pair.lead;
+            resistance.stiffness_before = memory.stiffness;
+            let ahead = velocity * pair.springs_ahead;
             memory.spring -= ahead;
-            turning.lost_by_sliding = Self::adapt(stiffness, memory);
+            resistance.lost_by_sliding = Self::adapt(stiffness, memory);
             memory.spring += ahead;
         }
-        let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
-        let pull = slider.pull(&mut memory.spring, [velocity, gathered], pair.normal, [dt, pair.lead]);
-        turning.friction = pull.force;
-        turning.friction_drag = pull.drag;
-        turning.lost_by_sliding += pull.lost;
-        turning.is_sliding = pull.is_sliding;
+        let slider = Slider { stiffness, dashpot, cap: self.friction * normal_force.abs() };
+        let pull = slider.pull(&mut memory.spring, [velocity, gathered], pair.normal, [dt, pair.springs_ahead]);
+        resistance.friction = pull.force;
+        resistance.friction_dashpot = pull.dashpot;
+        resistance.lost_by_sliding += pull.lost;
+        resistance.is_sliding = pull.is_sliding;
     }
 
     #[inline(always)]
@@ -146,53 +150,53 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         &self,
         pair: &Pair<V>,
         load: &NormalLoad,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
+        memory: &mut SpringMemory<V>,
+        resistance: &mut Resistance<V>,
     ) {
         // The arms meet across a gap too, so that arms to the contact point conserve angular momentum there as well.
         // A stiffness that does not fade exists beyond touch.
         let at = if M::FADES { pair.at_overlap(pair.overlap) } else { *pair };
-        let (stiffness, drag) = self.modulus.of(&at, load.drag);
-        turning.arms = self.lever.arms(pair);
-        let (motion, mobilities) = pair.sliding(turning.arms);
-        memory.spring = at_evaluation(memory.spring, motion, pair.lead);
-        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]);
+        let (stiffness, dashpot) = self.modulus.of(&at, load.dashpot);
+        resistance.arms = self.lever.arms(pair);
+        let (motion, mobilities) = pair.sliding(resistance.arms);
+        memory.spring = at_evaluation(memory.spring, motion, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
-        sweep.mean_drags = load.mean_drags(|share, normal| self.modulus.mean_drag(pair, share, normal));
-        let modulus = |pair: &Pair<V>| self.modulus.of(pair, load.drag);
+        sweep.mean_dashpots = load.mean_dashpots(|share, normal| self.modulus.mean_dashpot(pair, share, normal));
+        let modulus = |pair: &Pair<V>| self.modulus.of(pair, load.dashpot);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, modulus));
         if M::VARIES {
-            turning.stiffness_before = memory.stiffness;
+            resistance.stiffness_before = memory.stiffness;
             sweep.gathering *= mean_of(M::FADES, memory.stiffness, stiffness);
             if M::FADES {
-                // The stiffness is zero when a contact opens, and so is the drag: that event has no effect.
+                // The stiffness is zero when a contact opens, and so is the dashpot coefficient: that event has no effect.
                 sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
                 // So the force of the spring needs no share.
                 sweep.spring_shares = [1.0; 2];
             }
-            turning.lost_by_sliding = Self::adapt(stiffness, memory);
+            resistance.lost_by_sliding = Self::adapt(stiffness, memory);
         }
-        let slider = Slider { stiffness, drag, cap: self.friction * load.whole.abs() };
+        let slider = Slider { stiffness, dashpot, cap: self.friction * load.whole.abs() };
         let pull = slider.pull_centred(&mut memory.spring, &sweep, pair.normal);
-        turning.friction = pull.force;
-        turning.friction_drag = pull.drag;
-        turning.lost_by_sliding += pull.lost;
-        turning.is_sliding = pull.is_sliding;
+        resistance.friction = pull.force;
+        resistance.friction_dashpot = pull.dashpot;
+        resistance.lost_by_sliding += pull.lost;
+        resistance.is_sliding = pull.is_sliding;
     }
 
-    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let spring = memory.spring - pair.sliding_velocity(self.lever.arms(pair)) * pair.lead;
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
+        let spring = memory.spring - pair.sliding_velocity(self.lever.arms(pair)) * pair.springs_ahead;
         0.5 * self.modulus.remembered(memory.stiffness) * spring.length_squared()
     }
 
-    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &SpringMemory<V>) -> f64 {
         let velocity = pair.gathering().sliding_velocity(self.lever.arms(pair));
-        let spring = memory.spring - velocity * pair.lead;
+        let spring = memory.spring - velocity * pair.springs_ahead;
         lost_at_contact_end(self.modulus.remembered(memory.stiffness), spring, velocity, pair.dt)
     }
 
-    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
-        self.modulus.at(bounce, normal_drag)
+    fn mode(&self, bounce: &Bounce, normal_dashpot: f64) -> [f64; 2] {
+        self.modulus.at(bounce, normal_dashpot)
     }
 
     fn friction(&self) -> f64 {
@@ -208,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_spring_of_changing_stiffness_gains_no_energy() {
-        let mut memory = Memory { spring: Vector::new(0.0, 1e-5), stiffness: 1e4, ..Memory::default() };
+        let mut memory = SpringMemory { spring: Vector::new(0.0, 1e-5), stiffness: 1e4, ..SpringMemory::default() };
         let stiffer = SpringSlider::<ConstantStiffness>::adapt(2e4, &mut memory);
         assert_eq!((memory.spring.y, memory.stiffness), (5e-6, 2e4));
         let softer = SpringSlider::<ConstantStiffness>::adapt(1e4, &mut memory);

@@ -1,11 +1,10 @@
-//! Velocity Verlet with centred contacts: second order also for damped and frictional contacts, at almost the cost of
-//! `verlet`.
+//! The velocity prediction of the scheme `Centred`.
 //!
 //! Positions move as in `verlet`. The forces, however, see velocities that are predicted for the end of the step:
 //! v_p = v(t+dt/2) + beta dt/2 a(t) for every particle, with beta = (1 - q)/(1 + q) and q = b dt. b = c/(2 m_eff) is the
 //! largest damping rate of any contact along its normal; for spins it is the rate of sliding or rolling. So the force of most contacts is the plain force of the law, and
 //! costs nothing more. Contacts that may open or close within the step, and contacts of a lone grain
-//! (`contact::lone_grains`), take an averaged force instead ([`crate::contact::centred`]).
+//! (`lone_grains`), take an averaged force instead ([`window`](super::window)).
 //!
 //! **Why beta.** The drag should act with v(t+dt), to which its own force belongs: a(t+dt) in place of a(t). Solved for
 //! the drag of one contact, the closing speed is u = u_h + (1 - q)/(1 + q) dt/2 A, with the closing acceleration A of the
@@ -55,7 +54,7 @@ pub fn prediction_share(rate: f64, dt: f64) -> f64 {
 fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: ResMut<ParticleStore<V>>) {
     let count = store.body.len();
     let prediction = &mut store.prediction;
-    prediction.lookahead = 0.5 * clock.dt;
+    prediction.velocities_ahead = 0.5 * clock.dt;
     [prediction.share, prediction.spin_share] = rates.0.map(|rate| prediction_share(rate, clock.dt));
     prediction.lone.resize(count, 0);
     if clock.is_step_zero() {

@@ -1,4 +1,4 @@
-//! The system that runs the kernel with the scene's law, neighbour search and threads.
+//! The plugin of contacts: the system that runs the force pass with the scene's law, neighbour search and threads.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -7,13 +7,14 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::batch_law::AnyLaw;
+use crate::contact::force_pass::{ForcePass, ScratchPerThread};
 use crate::contact::history::History;
-use crate::contact::history::remembered::Remembered;
-use crate::contact::kernel::{Pass, ScratchPerThread};
-use crate::contact::needs::{BatchLaw, Class, Needs};
-use crate::contact::{AnyLaw, LawRequirements, PairLaw};
+use crate::contact::history::remembered::RememberedContacts;
+use crate::contact::law::{LawRequirements, PairLaw};
+use crate::contact::needs::{Needs, TorqueClass};
 use crate::gravity::Gravity;
-use crate::instructions::Instructions;
+use crate::instruction_set::InstructionSet;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
 use crate::persist::{PersistApp as _, Problem};
@@ -24,10 +25,6 @@ use crate::store::{AfterRenumbering, MirrorSet, ParticleStore, Renumber, Velocit
 use crate::threads::Threads;
 use crate::walls::near::NearWalls;
 use crate::walls::surfaces::Surfaces;
-
-/// The contact law of the run.
-#[derive(Resource)]
-struct Law<V: Space>(Arc<dyn BatchLaw<V>>);
 
 /// The largest overlap of the run so far divided by the smaller radius of its pair, over grains and walls.
 #[derive(Resource, Default, Deserialize, Serialize)]
@@ -42,17 +39,17 @@ const COUNT_INTERVAL: u64 = 8;
 
 /// Returns the time by which memories advance in this run of the schedule, s. In step zero it is the time by which they are
 /// ahead.
-fn memory_step(clock: &Clock, lead: f64) -> f64 {
-    if clock.is_step_zero() { lead } else { clock.dt }
+fn memory_step(clock: &Clock, springs_ahead: f64) -> f64 {
+    if clock.is_step_zero() { springs_ahead } else { clock.dt }
 }
 
 fn contact_forces<V: Space>(
-    law: Res<Law<V>>,
+    law: Res<AnyLaw<V>>,
     (clock, gravity, mut search): (Res<Clock>, Res<Gravity<V>>, ResMut<Search<V>>),
-    (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
+    (threads, instructions, mut scratches): (Res<Threads>, Res<InstructionSet>, ResMut<ScratchPerThread<V>>),
     (mut walls, mut near): (ResMut<Surfaces<V>>, ResMut<NearWalls>),
     mut store: ResMut<ParticleStore<V>>,
-    mut history: ResMut<History<V>>,
+    mut history: ResMut<History>,
     mut largest: ResMut<LargestOverlap>,
 ) {
     // Change detection does not report this system's own writes, here the wall loads, as changes.
@@ -61,20 +58,20 @@ fn contact_forces<V: Space>(
         search.list.mark_lone(&store.prediction);
     }
     let needs = law.0.needs();
-    let pass = Pass {
+    let pass = ForcePass {
         law: &*law.0,
         needs,
         list: &search.list,
         walls: &walls.all,
         twins: walls.twins(),
         near: near.of(&store, &walls, have_changed),
-        dt: memory_step(&clock, store.spring_lead()),
+        dt: memory_step(&clock, store.springs_ahead()),
         starts: clock.is_step_zero(),
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
         gravity: gravity.0,
         instructions: *instructions,
     };
-    let has_torques = needs.class != Class::Forces;
+    let has_torques = needs.torques != TorqueClass::None;
     store.stale.add(if has_torques { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
     let kept = (&mut scratches.0, !history.is_changed());
     let history = history.bypass_change_detection();
@@ -86,27 +83,27 @@ fn contact_forces<V: Space>(
 }
 
 /// Moves memories to the new slots of their particles after a renumbering.
-fn move_memories<V: Space>(law: Res<Law<V>>, store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
-    history.move_to_new_slots(&store, law.0.needs().memory.unwrap_or_default());
+fn move_memories<V: Space>(law: Res<AnyLaw<V>>, store: Res<ParticleStore<V>>, mut history: ResMut<History>) {
+    history.move_to_new_slots(&store, &law.0.needs().memory.unwrap_or_default());
 }
 
 /// Memories of contacts that exist at the start of a run.
 #[derive(Resource, Default)]
-pub struct ContactsAtStart(pub Vec<Remembered>);
+pub struct ContactsAtStart(pub RememberedContacts);
 
 /// Takes over the memories of contacts that exist at the start.
 fn recall_from_start<V: Space>(
-    law: Res<Law<V>>,
+    law: Res<AnyLaw<V>>,
     (store, walls): (Res<ParticleStore<V>>, Res<Surfaces<V>>),
     start: Option<ResMut<ContactsAtStart>>,
-    mut history: ResMut<History<V>>,
+    mut history: ResMut<History>,
 ) {
     if let Some(mut start) = start {
         history.replace(
             &store,
             walls.all.len(),
             &std::mem::take(&mut start.0),
-            law.0.needs().memory.unwrap_or_default(),
+            &law.0.needs().memory.unwrap_or_default(),
         );
     }
 }
@@ -136,38 +133,37 @@ impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(AnyLaw::<V>(self.law.clone()));
-        Law::<V>(self.law.clone()).add_to(app);
+        AnyLaw::<V>(self.law.clone()).add_to(app);
     }
 }
 
 /// Refuses restored memories that do not fit the restored particles, the walls or the law.
 fn check_history<V: Space>(world: &mut World) -> Result<(), Problem> {
-    let (Some(history), Some(store)) = (world.get_resource::<History<V>>(), world.get_resource::<ParticleStore<V>>())
+    let (Some(history), Some(store)) = (world.get_resource::<History>(), world.get_resource::<ParticleStore<V>>())
     else {
         return Ok(());
     };
     let walls = world.get_resource::<Surfaces<V>>().map_or(0, |walls| walls.all.len());
-    let parts = world.get_resource::<Law<V>>().and_then(|law| law.0.needs().memory);
-    history.check(store.len(), walls, parts)
+    let layout = world.get_resource::<AnyLaw<V>>().and_then(|law| law.0.needs().memory);
+    history.check(store.len(), walls, layout.as_ref())
 }
 
-impl<V: Space> Law<V> {
+impl<V: Space> AnyLaw<V> {
     /// Adds the law and the systems of contacts.
     fn add_to(self, app: &mut App) {
-        let Needs { class, memory, .. } = self.0.needs();
+        let Needs { torques, memory, .. } = self.0.needs();
         // The law of a behaviour may need spins in a scene that has none.
-        if class != Class::Forces && !app.is_plugin_added::<SpinPlugin<V>>() {
+        if torques != TorqueClass::None && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
         }
         app.world_mut().resource_mut::<ParticleStore<V>>().prediction.sweeps |= memory.is_some();
         app.insert_resource(self)
-            .init_resource::<History<V>>()
+            .init_resource::<History>()
             .init_resource::<ScratchPerThread<V>>()
             .init_resource::<LargestOverlap>()
             .init_resource::<NearWalls>()
-            .init_resource::<Instructions>()
-            .persist_sound::<History<V>>()
+            .init_resource::<InstructionSet>()
+            .persist_sound::<History>()
             .persist_sound::<LargestOverlap>()
             .check_restored(check_history::<V>)
             .derived::<ScratchPerThread<V>>()

@@ -4,11 +4,14 @@ use std::marker::PhantomData;
 
 use crate::contact::batch::{Batch, Call, EventStep, Predict, Velocities};
 use crate::contact::force_accumulation::ForceAccumulation;
+use crate::contact::force_pass::{ForcePass, HaloImport};
 use crate::contact::geometry::coincident;
-use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock, HistoryCursor};
-use crate::contact::kernel::{HaloImport, Pass};
+use crate::contact::history::losses::{ContactLosses, EndLosses};
+use crate::contact::history::{HistoryBlock, HistoryCursor};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Memory, MemoryParts, MemoryTimes};
+use crate::contact::law::LawRequirements;
+use crate::contact::memory::{Memory, MemoryLayout};
+use crate::contact::pair::MemoryTimes;
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::space::Space;
@@ -17,10 +20,10 @@ use crate::walls::surface_wall::WallLoad;
 
 /// The data that one thread reads and writes. `C` is the class of the law.
 pub(super) struct Worker<'a, V: Space, C> {
-    pub(super) pass: &'a Pass<'a, V>,
+    pub(super) pass: &'a ForcePass<'a, V>,
     pub(super) view: &'a ParticleStore<V>,
     pub(super) task: &'a Task,
-    pub(super) halo: HaloImport<'a, V>,
+    pub(super) halo: HaloImport<'a>,
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
@@ -29,37 +32,54 @@ pub(super) struct Worker<'a, V: Space, C> {
     /// Loads of contacts with walls, summed over consecutive contacts with one wall, each with the index of the wall.
     pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
     /// Whether the law reads the root of the reduced mass.
-    pub(super) root: bool,
-    /// [`PairLaw::even_from`](crate::contact::PairLaw::even_from) times half a step, s.
-    even: f64,
+    pub(super) mass_root: bool,
+    /// [`PairLaw::overlap_without_events`](crate::contact::law::PairLaw::overlap_without_events) times half a step, s.
+    event_time: f64,
     class: PhantomData<fn() -> C>,
+}
+
+/// The contacts that one thread evaluates.
+pub(super) struct OwnContacts<'a> {
+    pub(super) task: &'a Task,
+    pub(super) halo: HaloImport<'a>,
+    /// Pairs of an own row and a wall that may touch.
+    pub(super) near: &'a [Candidate],
+}
+
+/// The data that one thread writes.
+pub(super) struct OwnOutput<'a, V: Space> {
+    pub(super) sums: ForceAccumulation<'a, V>,
+    pub(super) batch: &'a mut Batch<V>,
+    pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
 }
 
 impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     pub(super) fn new(
-        pass: &'a Pass<'a, V>,
+        pass: &'a ForcePass<'a, V>,
         view: &'a ParticleStore<V>,
-        (task, halo, near): (&'a Task, HaloImport<'a, V>, &'a [Candidate]),
-        (sums, batch, on_walls): (ForceAccumulation<'a, V>, &'a mut Batch<V>, &'a mut Vec<(usize, WallLoad<V>)>),
+        contacts: OwnContacts<'a>,
+        output: OwnOutput<'a, V>,
         largest: f64,
     ) -> Self {
-        let even = pass.law.even_from() * view.prediction.lookahead;
-        let root = pass.law.needs_mass_root();
-        Self { pass, view, task, halo, sums, batch, largest, near, on_walls, root, even, class: PhantomData }
+        let OwnContacts { task, halo, near } = contacts;
+        let OwnOutput { sums, batch, on_walls } = output;
+        let event_time = pass.law.overlap_without_events() * view.prediction.velocities_ahead;
+        let mass_root = pass.law.needs_mass_root();
+        Self { pass, view, task, halo, sums, batch, largest, near, on_walls, mass_root, event_time, class: PhantomData }
     }
 
-    /// Returns the components of the memories that the law requires.
-    pub(super) fn parts(&self) -> MemoryParts {
-        self.pass.needs.memory.unwrap_or_default()
+    /// Returns the layout of the memories.
+    pub(super) fn layout(&self) -> &'a MemoryLayout {
+        self.pass.needs.memory.as_ref().unwrap_or(&MemoryLayout::NONE)
     }
 
     /// Sums the forces on own rows, with the given history blocks. Returns the largest overlap so far divided by the
     /// smaller radius of its pair.
     pub(super) fn sum(
         mut self,
-        pair_histories: &mut [HistoryBlock<V>],
-        wall_histories: &mut [HistoryBlock<V>],
-        spare: &mut HistoryBlock<V>,
+        pair_histories: &mut [HistoryBlock],
+        wall_histories: &mut [HistoryBlock],
+        spare: &mut HistoryBlock,
     ) -> f64 {
         let gravity = self.pass.gravity;
         self.sums.initialise(list::end_of(&self.task.incoming), gravity, self.view);
@@ -71,7 +91,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         let mut prefetched_end = self.task.rows.start;
         let blocks = pair_histories.iter_mut().zip(wall_histories).zip(self.task.rows.clone().step_by(BLOCK));
         for ((pair_history, wall_history), first) in blocks {
-            let mut block = Block::new(pair_history, spare, self.parts());
+            let mut block = Block::new(pair_history, spare, self.layout());
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Sums are initialised block by block, so that they are still in the cache when forces are added.
             self.sums.initialise(end, gravity, self.view);
@@ -83,7 +103,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             block.end(|contact, memory| self.pass.on_contact_end(self.view, contact, memory));
             if !self.pass.walls.is_empty() {
                 self.sums.initialise(first + BLOCK, gravity, self.view);
-                self.sum_walls(first + BLOCK, Block::new(wall_history, spare, self.parts()));
+                self.sum_walls(first + BLOCK, Block::new(wall_history, spare, self.layout()));
             }
         }
         self.sums.initialise(self.task.rows.end, gravity, self.view);
@@ -147,7 +167,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     fn evaluate_batch(&mut self) {
         self.load_requirements();
         let lanes = self.batch.lanes();
-        if self.batch.bodies.measure(lanes, (self.pass.needs.bodies, self.root), self.pass.instructions) {
+        if self.batch.bodies.measure(lanes, (self.pass.needs.bodies, self.mass_root), self.pass.instructions) {
             let id = &self.view.id;
             let pairs = &self.batch.pairs;
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
@@ -169,38 +189,39 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
     pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<V>) -> bool {
-        let Pass { law, needs, dt, starts, instructions, .. } = *self.pass;
+        let ForcePass { law, needs, dt, starts, instructions, .. } = *self.pass;
         let view = self.view;
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        let times = MemoryTimes { dt, lead: view.spring_lead() };
+        let times = MemoryTimes { dt, springs_ahead: view.springs_ahead() };
         let velocities = match (view.predicts(), view.prediction.springs_exact) {
             (false, _) => Velocities::Middle,
             (true, false) => Velocities::Predicted,
             (true, true) => Velocities::PredictedAndMiddle,
         };
-        let call = Call { velocities, times, instructions, limits: [deepest, self.even] };
-        let (deeper, near) = law.evaluate(self.batch, &call, view.tracks_energy);
+        let call = Call { velocities, times, instructions, deepest, event_time: self.event_time };
+        let evaluated = law.evaluate(self.batch, &call, view.tracks_energy);
         self.batch.output.clear_gaps();
         if needs.reaches {
             self.batch.mark_gaps();
         }
         // Without velocity prediction no contact is near an event.
-        let near = std::mem::take(&mut self.batch.lone) | near & !(u64::MAX << self.batch.len);
+        let near = std::mem::take(&mut self.batch.lone) | evaluated.near_events & !(u64::MAX << self.batch.len);
         if near != 0 {
             let step = EventStep { store: view, predict, starts, instructions };
             law.evaluate_events(self.batch, times, &step, near);
         }
-        deeper > 0
+        evaluated.deeper > 0
     }
 
     /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
     fn flush_incoming(&mut self) {
         if self.pass.needs.memory.is_some() {
             self.take_marks();
-            for lane in 0..self.batch.len {
-                let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
-                self.batch.memory.set_all(lane, &memory);
+            let layout = self.layout();
+            let Batch { pairs, memory, len, .. } = &mut *self.batch;
+            for (lane, &contact) in pairs.iter().enumerate().take(*len) {
+                self.halo.load(contact, layout, lane, memory);
             }
         }
         self.evaluate_batch();
@@ -216,11 +237,13 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     }
 
     /// Evaluates the batch, adds its forces to both particles, and stores memories and losses.
-    fn flush(&mut self, block: &mut Block<'_, V>) {
+    fn flush(&mut self, block: &mut Block<'_>) {
         if self.pass.needs.memory.is_some() {
             self.take_marks();
             let Block { cursor, lost, .. } = block;
-            self.batch.recall(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
+            recall(self.batch, cursor, |contact, memory| {
+                lost.add(self.pass.on_contact_end(self.view, contact, memory))
+            });
         }
         self.evaluate_batch();
         block.touching += self.batch.touching();
@@ -248,29 +271,27 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     #[inline]
     pub(super) fn store_results(
         &mut self,
-        Block { cursor, lost, .. }: &mut Block<'_, V>,
-        on_end: impl Fn(Candidate, &Memory<V>) -> EndLosses,
+        Block { cursor, lost, .. }: &mut Block<'_>,
+        on_end: impl Fn(Candidate, &Memory) -> EndLosses,
     ) {
         let batch = &mut *self.batch;
         if C::SPIN && self.view.tracks_energy {
             *lost += batch.lost::<C>();
         }
-        if self.pass.needs.memory.is_none() {
-            return;
-        }
+        let Some(layout) = &self.pass.needs.memory else { return };
         let contacts = &batch.pairs[..batch.len.min(LANES)];
         cursor.remember_all(contacts, &batch.memory_after);
         if self.view.tracks_energy {
             for lane in batch.output.gaps() {
-                lost.add(on_end(contacts[lane], &batch.memory.get_all(lane)));
+                lost.add(on_end(contacts[lane], &batch.memory.memory(layout, lane)));
             }
         }
     }
 }
 
 /// The contact history of a block of rows in this pass.
-pub(super) struct Block<'a, V: Space> {
-    pub(super) cursor: HistoryCursor<'a, V>,
+pub(super) struct Block<'a> {
+    pub(super) cursor: HistoryCursor<'a>,
     /// Losses of contacts, including the energy stored in ended ones. Both are added in a fixed order, independent of
     /// how contacts are batched.
     pub(super) lost: ContactLosses,
@@ -278,14 +299,30 @@ pub(super) struct Block<'a, V: Space> {
     pub(super) touching: u32,
 }
 
-impl<'a, V: Space> Block<'a, V> {
-    pub(super) fn new(history: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>, parts: MemoryParts) -> Self {
-        Self { cursor: HistoryCursor::new(history, spare, parts), lost: ContactLosses::default(), touching: 0 }
+impl<'a> Block<'a> {
+    pub(super) fn new(history: &'a mut HistoryBlock, spare: &'a mut HistoryBlock, layout: &'a MemoryLayout) -> Self {
+        Self { cursor: HistoryCursor::new(history, spare, layout), lost: ContactLosses::default(), touching: 0 }
     }
 
     /// Ends the block. `on_end` returns the energy that an ended contact loses, J.
-    pub(super) fn end(mut self, on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {
+    pub(super) fn end(mut self, on_end: impl FnMut(Candidate, &Memory) -> EndLosses) {
         self.cursor.end(self.lost, on_end);
         self.cursor.set_touching(self.touching);
+    }
+}
+
+/// Loads the memories of all contacts of a batch. Contacts that have ended are passed to `on_end` with their memories.
+#[inline]
+pub(super) fn recall<V: Space>(
+    batch: &mut Batch<V>,
+    cursor: &mut HistoryCursor<'_>,
+    mut on_end: impl FnMut(Candidate, &Memory),
+) {
+    let contacts = &batch.pairs[..batch.len.min(LANES)];
+    if cursor.recall_all(contacts, &mut batch.memory) {
+        return;
+    }
+    for (lane, &contact) in contacts.iter().enumerate() {
+        cursor.recall(contact, lane, &mut batch.memory, &mut on_end);
     }
 }

@@ -4,11 +4,12 @@
 //! The loads on walls are summed too ([`WallLoad`]). A load is the force *on the wall*: the load on a floor under
 //! gravity points down.
 
+use crate::contact::force_pass::ForcePass;
+use crate::contact::force_pass::worker::{Block, Worker, recall};
 use crate::contact::geometry::{WallContacts, touching_wall};
-use crate::contact::kernel::Pass;
-use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Pair};
+use crate::contact::law::LawRequirements;
+use crate::contact::pair::Pair;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
@@ -16,13 +17,13 @@ use crate::walls::surface_wall::WallLoad;
 
 impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Sums the contacts between walls and the rows before `end` that have not been summed yet.
-    pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_, V>) {
+    pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_>) {
         let pass = self.pass;
         let count = self.near.partition_point(|contact| contact.first() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
         let view = self.view;
         let walls = pass.walls;
-        let limits = (self.root, view.prediction.lookahead);
+        let limits = (self.mass_root, view.prediction.velocities_ahead);
         let mut contacts = WallContacts::default();
         let has_images = pass.needs.memory.is_some() && !pass.twins.is_empty();
         for row in near.chunk_by(|a, b| a.first() == b.first()) {
@@ -56,9 +57,9 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Gives the memories of a grain to the images that it touches after it has passed through a periodic side: those of surfaces that it
     /// has left thereby.
     #[cold]
-    fn follow_through_sides(&self, row: &[Candidate], limits: (bool, f64), block: &mut Block<'_, V>) {
+    fn follow_through_sides(&self, row: &[Candidate], limits: (bool, f64), block: &mut Block<'_>) {
         let view = self.view;
-        let Pass { walls, twins, .. } = self.pass;
+        let ForcePass { walls, twins, .. } = self.pass;
         let touches = |wall: usize| touching_wall(view, row[0].first(), &walls[wall], limits).is_some();
         for contact in row {
             for other in twins.of_surface(contact.second()) {
@@ -72,7 +73,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
 
     /// Adds a contact to the batch, and evaluates the batch if it is full.
     #[inline(always)]
-    fn push_wall(&mut self, contact: Candidate, pair: &Pair<V>, block: &mut Block<'_, V>) {
+    fn push_wall(&mut self, contact: Candidate, pair: &Pair<V>, block: &mut Block<'_>) {
         let view = self.view;
         if view.predicts() {
             self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
@@ -87,12 +88,12 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     }
 
     /// Evaluates the batch, adds its forces to grains and walls, and stores memories and losses.
-    fn flush_walls(&mut self, block: &mut Block<'_, V>) {
+    fn flush_walls(&mut self, block: &mut Block<'_>) {
         let pass = self.pass;
         let view = self.view;
         if pass.needs.memory.is_some() {
             let Block { cursor, lost, .. } = block;
-            self.batch.recall(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
+            recall(self.batch, cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
         if self.evaluate_law(1.0, ParticleStore::predict_with_wall) {
@@ -124,8 +125,8 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
             let force = batch.output.force::<NUMBERS>(lane);
             let body = &view.body[i];
             let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);
-            let drag = force.get(1).copied().unwrap_or(V::ZERO);
-            let load = WallLoad::of(-force[0], -drag, point - pass.walls[wall].reference);
+            let dashpot = force.get(1).copied().unwrap_or(V::ZERO);
+            let load = WallLoad::of(-force[0], -dashpot, point - pass.walls[wall].reference);
             match &mut sum {
                 Some((same, sum)) if *same == wall => *sum += load,
                 _ => on_walls.extend(sum.replace((wall, load))),

@@ -1,4 +1,4 @@
-//! The contact pass: sums the contact forces between particles and with wall surfaces.
+//! The force pass: sums the contact forces between particles and with wall surfaces.
 //!
 //! Each pair (i, j) with i < j is evaluated once, in ascending order of i, then of j, and added to both particles. So
 //! each particle receives the forces of its partners in ascending order of slots. The pass alternates between three
@@ -20,20 +20,21 @@
 //! the sum of a particle takes walls last, in the scene's order. The load on a wall is also summed block by block, so
 //! that no bit of it depends on the number of threads.
 
+mod contact_end;
 mod prefetch;
 mod thread_scratch;
 mod walls;
 mod worker;
 
-pub(super) use self::prefetch::touch;
 use self::thread_scratch::{HaloImport, exchange_halos, export_halo};
 pub use self::thread_scratch::{ScratchPerThread, ThreadScratch};
-use self::worker::Worker;
-use crate::contact::LawRequirements;
+use self::worker::{OwnContacts, OwnOutput, Worker};
+use crate::contact::batch_law::BatchLaw;
 use crate::contact::force_accumulation::{AccumulatorSlice, ForceAccumulation};
 use crate::contact::history::History;
-use crate::contact::needs::{BatchLaw, Class, Forces, Needs, RollingTorques, Torques};
-use crate::instructions::Instructions;
+use crate::contact::law::LawRequirements;
+use crate::contact::needs::{FrictionTorques, Needs, NoTorques, RollingTorques, TorqueClass};
+use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::{BLOCK, Candidate, PairList};
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
@@ -42,7 +43,7 @@ use crate::walls::surface_wall::SurfaceWall;
 use crate::walls::twins::Twins;
 
 /// The input of a contact pass besides the particle store.
-pub struct Pass<'a, V: Space> {
+pub struct ForcePass<'a, V: Space> {
     /// The contact law.
     pub law: &'a dyn BatchLaw<V>,
     /// The requirements of the law.
@@ -64,10 +65,10 @@ pub struct Pass<'a, V: Space> {
     /// Acceleration of gravity, m/s^2.
     pub gravity: V,
     /// Instruction set of the lane loops.
-    pub instructions: Instructions,
+    pub instructions: InstructionSet,
 }
 
-impl<V: Space> Pass<'_, V> {
+impl<V: Space> ForcePass<'_, V> {
     /// Sets the loads of `store` to the sums of weight and all contact forces.
     ///
     /// `deepest` is the largest overlap so far divided by the smaller radius of its pair. Returns the same ratio after
@@ -76,15 +77,15 @@ impl<V: Space> Pass<'_, V> {
     pub fn sum(
         &self,
         store: &mut ParticleStore<V>,
-        history: &mut History<V>,
+        history: &mut History,
         threads: &Threads,
         scratches: (&mut Vec<ThreadScratch<V>>, bool),
         deepest: f64,
     ) -> f64 {
-        match self.needs.class {
-            Class::Forces => self.sum_as::<Forces>(store, history, threads, scratches, deepest),
-            Class::Torques => self.sum_as::<Torques>(store, history, threads, scratches, deepest),
-            Class::RollingTorques => self.sum_as::<RollingTorques>(store, history, threads, scratches, deepest),
+        match self.needs.torques {
+            TorqueClass::None => self.sum_as::<NoTorques>(store, history, threads, scratches, deepest),
+            TorqueClass::Friction => self.sum_as::<FrictionTorques>(store, history, threads, scratches, deepest),
+            TorqueClass::Rolling => self.sum_as::<RollingTorques>(store, history, threads, scratches, deepest),
         }
     }
 
@@ -92,7 +93,7 @@ impl<V: Space> Pass<'_, V> {
     fn sum_as<C: LawRequirements>(
         &self,
         store: &mut ParticleStore<V>,
-        history: &mut History<V>,
+        history: &mut History,
         threads: &Threads,
         (scratches, history_unchanged): (&mut Vec<ThreadScratch<V>>, bool),
         deepest: f64,
@@ -105,10 +106,10 @@ impl<V: Space> Pass<'_, V> {
         let tasks = self.list.tasks();
         scratches.resize_with(tasks.len(), ThreadScratch::default);
         let (mut pair_histories, mut wall_histories) = history.blocks_mut(store);
-        // The components of the memories, if memories cross a border between two tasks.
-        let over_borders = self.needs.memory.filter(|_| tasks.len() > 1);
-        if let Some(parts) = over_borders {
-            exchange_halos(scratches, self.list, (pair_histories, parts), history_unchanged);
+        // The layout of the memories, if memories cross a border between two tasks.
+        let over_borders = self.needs.memory.as_ref().filter(|_| tasks.len() > 1);
+        if let Some(layout) = over_borders {
+            exchange_halos(scratches, self.list, (pair_histories, layout), history_unchanged);
         }
         let view = &*store;
         let (halo, places): (Vec<_>, Vec<_>) = scratches
@@ -132,11 +133,13 @@ impl<V: Space> Pass<'_, V> {
             let near = near.split_off(..own).unwrap_or_default();
             let halo = halo.clone();
             on_walls.clear();
-            let worker = Worker::<V, C>::new(self, view, (task, halo, near), (sums, batch, on_walls), deepest);
+            let contacts = OwnContacts { task, halo, near };
+            let output = OwnOutput { sums, batch, on_walls };
+            let worker = Worker::<V, C>::new(self, view, contacts, output, deepest);
             workers.push(move || {
                 let largest = worker.sum(pair_histories, wall_histories, spare);
-                if let Some(parts) = over_borders {
-                    export_halo(&task.rows, self.list, (pair_histories, parts), next_halo);
+                if let Some(layout) = over_borders {
+                    export_halo(&task.rows, self.list, (pair_histories, layout), next_halo);
                     *rows = task.rows.clone();
                 }
                 largest

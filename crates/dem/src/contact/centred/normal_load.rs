@@ -1,8 +1,8 @@
 //! The normal load of a contact near an event, as input of its friction and rolling resistance.
 
-use crate::contact::Pair;
-use crate::contact::centred::Window;
-use crate::contact::spring::centred::{Event, Release, TangentialStep};
+use crate::contact::centred::slider::{Event, Release, TangentialStep};
+use crate::contact::centred::window::Window;
+use crate::contact::pair::Pair;
 use crate::space::Space;
 
 /// Normal load: the normal force of a centred contact, as input of its tangential terms.
@@ -14,10 +14,10 @@ pub struct NormalLoad {
     pub averaged: [f64; 2],
     /// The fractions of these two steps in which the contact exists.
     pub shares: [f64; 2],
-    /// The normal drag coefficient c at the evaluation, N s/m.
-    pub drag: f64,
+    /// The normal dashpot coefficient c at the evaluation, N s/m.
+    pub dashpot: f64,
     /// The means of c over these two steps, N s/m.
-    pub mean_drags: [f64; 2],
+    pub mean_dashpots: [f64; 2],
     /// Whether c goes to zero with the overlap.
     pub fades: bool,
     /// Time during which springs accumulate, s: the whole step, or from the event to its end, or 0 across a gap.
@@ -62,7 +62,7 @@ impl Unloading {
         })
     }
 
-    /// Returns the release of a slider. `friction` is the coefficient of friction; `modulus` returns stiffness (N/m) and drag
+    /// Returns the release of a slider. `friction` is the coefficient of friction; `modulus` returns stiffness (N/m) and dashpot
     /// coefficient (N s/m) at an overlap.
     #[inline(always)]
     #[must_use]
@@ -79,7 +79,7 @@ impl Unloading {
 
 impl NormalLoad {
     /// Returns the tangential step for a motion with coefficient of friction `friction`. `motion` is its velocity in
-    /// the middle of the step and the gain until the end (m/s); `mobilities` in 1/kg. The drag coefficients are set to zero.
+    /// the middle of the step and the gain until the end (m/s); `mobilities` in 1/kg. The dashpot coefficients are set to zero.
     #[inline(always)]
     #[must_use]
     pub fn sweep<V: Space>(
@@ -87,7 +87,7 @@ impl NormalLoad {
         motion: [V; 2],
         mobilities: [f64; 2],
         friction: f64,
-        [dt, lead]: [f64; 2],
+        [dt, springs_ahead]: [f64; 2],
     ) -> TangentialStep<V> {
         let [middle, gained] = motion;
         TangentialStep {
@@ -95,12 +95,12 @@ impl NormalLoad {
             gained,
             mobilities,
             dt,
-            lead,
+            springs_ahead,
             event: self.event.map(|(ago, force, opens)| Event { ago, cap: friction * force.abs(), opens }),
             gathering: self.gathering,
             shares: self.shares,
             spring_shares: self.shares,
-            mean_drags: [0.0; 2],
+            mean_dashpots: [0.0; 2],
             averaged_caps: self.averaged.map(|force| friction * force.abs()),
             normal_fades: self.fades,
             pulled: V::ZERO,
@@ -108,11 +108,11 @@ impl NormalLoad {
         }
     }
 
-    /// Returns the means of the drag coefficient of friction over the two steps, N s/m. `mean` returns it from the fraction of a
-    /// step in contact and the mean of the normal drag coefficient, N s/m.
+    /// Returns the means of the dashpot coefficient of friction over the two steps, N s/m. `mean` returns it from the fraction of a
+    /// step in contact and the mean of the normal dashpot coefficient, N s/m.
     #[inline(always)]
     #[must_use]
-    pub fn mean_drags(&self, mean: impl Fn(f64, f64) -> f64) -> [f64; 2] {
-        [0, 1].map(|step| mean(self.shares[step], self.mean_drags[step]))
+    pub fn mean_dashpots(&self, mean: impl Fn(f64, f64) -> f64) -> [f64; 2] {
+        [0, 1].map(|step| mean(self.shares[step], self.mean_dashpots[step]))
     }
 }

@@ -1,5 +1,5 @@
-//! Lone grains: particles that have had at most one contact since they were last without any. [`centred`](super::centred) contacts with
-//! one are evaluated anew, because all that changes the velocity of a lone grain is known. The neighbour list marks their pairs
+//! Lone grains: particles that have had at most one contact since they were last without any. Contacts with one are evaluated
+//! anew ([`window`](super::window)), because all forces that change the velocity of a lone grain are known. The neighbour list marks their pairs
 //! ([`PairList::mark`]).
 //!
 //! A grain that falls or bounces is lone. A grain that has had two contacts is not, even if it has one later: in a bed many grains rest
@@ -13,7 +13,7 @@ use crate::store::{ParticleStore, Prediction};
 
 impl<V: Space> ParticleStore<V> {
     /// Stores which particles are lone, from the counts of the force pass. At the start of a run, `starts`, the past does not count.
-    pub(super) fn store_lone(&mut self, starts: bool) {
+    pub(in crate::contact) fn store_lone(&mut self, starts: bool) {
         let lone = &mut self.prediction.lone;
         let contacts = &self.loads.contacts;
         lone.resize(contacts.len(), 0);
@@ -44,7 +44,7 @@ const COMPARED_AT_ONCE: usize = 64;
 
 impl PairList {
     /// Marks the pairs with a lone particle.
-    pub(super) fn mark_lone<V: Space>(&mut self, prediction: &Prediction<V>) {
+    pub(in crate::contact) fn mark_lone<V: Space>(&mut self, prediction: &Prediction<V>) {
         let Prediction { lone, lone_changed, lone_changes, .. } = prediction;
         self.mark(Chosen { particles: lone, changed: lone_changed, version: *lone_changes });
     }

@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use bevy_ecs::prelude::*;
 
-use crate::contact::batch::Batch;
+use crate::contact::batch::{Batch, MemoryLanes};
 use crate::contact::history::HistoryBlock;
-use crate::contact::{Memory, MemoryParts};
+use crate::contact::memory::MemoryLayout;
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
@@ -19,13 +19,13 @@ pub struct ThreadScratch<V: Space> {
     /// The current batch of contacts.
     pub batch: Batch<V>,
     /// Memories of the contacts of own rows with later rows, as before this pass. Other threads import them.
-    pub halo: HistoryBlock<V>,
+    pub halo: HistoryBlock,
     /// Memories of the contacts of own rows with later rows, as after this pass.
-    pub next_halo: HistoryBlock<V>,
+    pub next_halo: HistoryBlock,
     /// Own rows in the last pass.
     pub rows: Range<usize>,
     /// Spare history block for blocks that are rewritten.
-    pub spare: HistoryBlock<V>,
+    pub spare: HistoryBlock,
     /// Loads of the contacts with walls, each with the index of its wall, in ascending order of rows.
     pub on_walls: Vec<(usize, WallLoad<V>)>,
 }
@@ -39,14 +39,14 @@ pub struct ScratchPerThread<V: Space>(pub Vec<ThreadScratch<V>>);
 pub(super) fn exchange_halos<V: Space>(
     scratches: &mut [ThreadScratch<V>],
     list: &PairList,
-    (histories, parts): (&[HistoryBlock<V>], MemoryParts),
+    (histories, layout): (&[HistoryBlock], &MemoryLayout),
     history_unchanged: bool,
 ) {
     let tasks = list.tasks();
     if !history_unchanged || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
             let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
-            export_halo(rows, list, (own, parts), &mut scratch.next_halo);
+            export_halo(rows, list, (own, layout), &mut scratch.next_halo);
         }
     }
     for scratch in scratches {
@@ -55,41 +55,46 @@ pub(super) fn exchange_halos<V: Space>(
 }
 
 /// Copies the memories of contacts of `rows` with later rows from the history blocks of `rows` into `next_halo`.
-pub(super) fn export_halo<V: Space>(
+pub(super) fn export_halo(
     rows: &Range<usize>,
     list: &PairList,
-    (histories, parts): (&[HistoryBlock<V>], MemoryParts),
-    next_halo: &mut HistoryBlock<V>,
+    (histories, layout): (&[HistoryBlock], &MemoryLayout),
+    next_halo: &mut HistoryBlock,
 ) {
     next_halo.clear();
     for (history, first) in histories.iter().zip(rows.clone().step_by(BLOCK)) {
         // In most blocks no particle has a partner in later rows.
         if list.block(first / BLOCK).1 > rows.end {
-            next_halo.copy(parts, history, |contact| contact.second() >= rows.end);
+            next_halo.copy(layout, history, |contact| contact.second() >= rows.end);
         }
     }
 }
 
 /// Halo import: memories of contacts with earlier rows, from the exports of the tasks that own the earlier rows.
 #[derive(Clone)]
-pub(super) struct HaloImport<'a, V: Space> {
+pub(super) struct HaloImport<'a> {
     tasks: &'a [Task],
-    halo: &'a [&'a HistoryBlock<V>],
+    halo: &'a [&'a HistoryBlock],
     /// Position of the last look-up: the exporting task and the place in its export.
     task: usize,
     at: usize,
 }
 
-impl<'a, V: Space> HaloImport<'a, V> {
-    pub(super) fn new(tasks: &'a [Task], halo: &'a [&'a HistoryBlock<V>]) -> Self {
+impl<'a> HaloImport<'a> {
+    pub(super) fn new(tasks: &'a [Task], halo: &'a [&'a HistoryBlock]) -> Self {
         Self { tasks, halo, task: 0, at: 0 }
     }
 
-    /// Returns the memory of a contact. Calls must be in ascending order of contacts.
-    pub(super) fn next(&mut self, contact: Candidate) -> Option<Memory<V>> {
+    /// Loads the memory of a contact into a lane; that of a new contact is empty. Calls must be in ascending order of contacts.
+    pub(super) fn load(&mut self, contact: Candidate, layout: &MemoryLayout, lane: usize, memories: &mut MemoryLanes) {
         while self.tasks[self.task].rows.end <= contact.first() {
-            (self.task, self.at) = (self.task + 1, 0);
+            self.task += 1;
+            self.at = 0;
         }
-        self.halo[self.task].look_up_next(&mut self.at, contact)
+        let halo = self.halo[self.task];
+        match halo.next_position(&mut self.at, contact) {
+            Some(at) => halo.read_one(layout, at, lane, memories),
+            None => memories.clear(layout, lane),
+        }
     }
 }

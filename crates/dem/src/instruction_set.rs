@@ -17,7 +17,7 @@ use fearless_simd::{Avx2, Avx512, Level, Simd};
 
 use siloflow_text::fault::Fault;
 
-/// The environment variable that forces an instruction set by its [`Instructions::name`].
+/// The environment variable that forces an instruction set by its [`InstructionSet::name`].
 pub const VARIABLE: &str = "SILOFLOW_INSTRUCTIONS";
 
 /// Names of all sets, including those that a processor may lack.
@@ -25,7 +25,7 @@ const NAMES: [&str; 3] = ["baseline", "avx2", "avx512"];
 
 /// An instruction set.
 #[derive(Resource, Clone, Copy, Debug)]
-pub enum Instructions {
+pub enum InstructionSet {
     /// The instructions that the program was compiled for.
     Baseline,
     /// AVX2, four lanes at a time.
@@ -36,14 +36,14 @@ pub enum Instructions {
     Avx512(Avx512),
 }
 
-impl Default for Instructions {
+impl Default for InstructionSet {
     /// The widest set of this machine.
     fn default() -> Self {
         Self::all().pop().unwrap_or(Self::Baseline)
     }
 }
 
-impl Instructions {
+impl InstructionSet {
     /// All sets of this machine, the widest last.
     #[must_use]
     pub fn all() -> Vec<Self> {
@@ -71,7 +71,7 @@ impl Instructions {
     /// Returns the set that [`VARIABLE`] names, or the widest if the variable is not set.
     ///
     /// # Errors
-    /// As [`Instructions::named`].
+    /// As [`InstructionSet::named`].
     pub fn of_environment() -> Result<Self, Fault> {
         match env::var_os(VARIABLE).filter(|value| !value.is_empty()) {
             None => Ok(Self::default()),
@@ -110,7 +110,7 @@ impl Instructions {
         }
     }
 
-    /// Like [`Instructions::run`], with AVX2 at most. It suits code that handles one or two vectors at a time, where
+    /// Like [`InstructionSet::run`], with AVX2 at most. It suits code that handles one or two vectors at a time, where
     /// wider registers would have to be assembled from several vectors.
     #[inline]
     pub fn run_narrow<R>(self, work: impl FnOnce() -> R) -> R {
@@ -133,15 +133,15 @@ mod tests {
 
     #[test]
     fn each_set_is_found_by_its_name() {
-        for instructions in Instructions::all() {
-            assert_eq!(Instructions::named(instructions.name()).unwrap().name(), instructions.name());
+        for instructions in InstructionSet::all() {
+            assert_eq!(InstructionSet::named(instructions.name()).unwrap().name(), instructions.name());
         }
     }
 
     #[test]
     fn an_unknown_name_is_a_fault() {
         for name in ["", "AVX2", "sse2", "avx2 "] {
-            let fault = Instructions::named(name).unwrap_err();
+            let fault = InstructionSet::named(name).unwrap_err();
             assert_eq!(fault.code(), "call::instructions");
             let message = fault.to_string();
             assert!(message.contains(VARIABLE) && message.contains(&format!("`{name}`")), "{message}");

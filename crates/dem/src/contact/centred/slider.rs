@@ -1,12 +1,12 @@
-//! The spring slider of a contact near an event: its force averaged over the step ([`crate::contact::centred`]).
+//! The spring slider of a contact near an event: its force averaged over the step ([`window`](super::window)).
 //!
-//! The force is F = cut(-k S theta_k - C v), C being the mean of the drag coefficient over the step centred on the evaluation,
+//! The force is F = cut(-k S theta_k - C v), C being the mean of the dashpot coefficient over the step centred on the evaluation,
 //! and v the velocity at the evaluation. The cap is mu times the normal force averaged over that step. A stiffness that does not
 //! depend on the overlap jumps to zero where the contact opens; then theta_k is the share theta of the step in contact. A
 //! stiffness that goes to zero with the overlap has theta_k = 1.
 //!
 //! Where the force at the evaluation is beyond its own cap, the spring is set to this cap, as in any slip. The force is then the
-//! averaged cap if the normal drag goes to zero with the overlap, as in Hertz's law: the cap at the evaluation differs from it by
+//! averaged cap if the normal dashpot coefficient goes to zero with the overlap, as in Hertz's law: the cap at the evaluation differs from it by
 //! O(dt^(1/4)) where a contact begins. Otherwise it is theta times the force at the evaluation; the difference is O(dt) in
 //! a single step, and the error a few per cent smaller in most cases.
 //!
@@ -16,7 +16,7 @@
 //! until P is reached by the cap and slips from then on. The mean force is s P (1 - s |P|/(4 C)) for s |P| < 2 C. Otherwise
 //! the slider slips during the whole share, so that there is nothing to release, and the rule above is of second order.
 
-use crate::contact::centred::cut;
+use crate::contact::centred::window::cut;
 use crate::contact::spring::{Slider, SliderForce};
 use crate::space::Space;
 
@@ -33,7 +33,7 @@ pub struct TangentialStep<V> {
     /// Length of the step, s.
     pub dt: f64,
     /// Time by which the stored spring is ahead of the evaluation, s.
-    pub lead: f64,
+    pub springs_ahead: f64,
     /// The event within the step, if there is one.
     pub event: Option<Event>,
     /// Time during which the spring accumulates, s: the whole step, or from the event to its end, or 0 across a gap.
@@ -42,12 +42,12 @@ pub struct TangentialStep<V> {
     pub shares: [f64; 2],
     /// The fractions by which the spring force counts: `shares`, or 1 if the stiffness goes to zero with the overlap.
     pub spring_shares: [f64; 2],
-    /// Mean drag coefficients of these two steps, N s/m. [`Slider::drag`] is the coefficient at the evaluation.
-    pub mean_drags: [f64; 2],
+    /// Mean dashpot coefficients of these two steps, N s/m. [`Slider::dashpot`] is the coefficient at the evaluation.
+    pub mean_dashpots: [f64; 2],
     /// Caps from the normal forces averaged over these two steps, N. [`Slider::cap`] uses the normal force at the
     /// evaluation.
     pub averaged_caps: [f64; 2],
-    /// Whether the drag of the normal force goes to zero with the overlap.
+    /// Whether the dashpot coefficient of the normal force goes to zero with the overlap.
     pub normal_fades: bool,
     /// Spring force at the beginning, N.
     pub pulled: V,
@@ -73,7 +73,7 @@ pub struct Release {
     pub share: f64,
     /// Time from the middle of that share to the evaluation, s.
     pub ago: f64,
-    /// Stiffness (N/m) and drag coefficient (N s/m) in the middle of that share.
+    /// Stiffness (N/m) and dashpot coefficient (N s/m) in the middle of that share.
     pub modulus: [f64; 2],
     /// Cap averaged over the centred step, N.
     pub cap: f64,
@@ -84,10 +84,10 @@ impl Release {
     /// at the beginning of the step, m.
     #[inline(always)]
     fn force<V: Space>(&self, spring: V, sweep: &TangentialStep<V>, normal: V) -> Option<V> {
-        let [stiffness, drag] = self.modulus;
+        let [stiffness, dashpot] = self.modulus;
         let velocity = sweep.middle + sweep.gained * (1.0 - 2.0 * self.ago / sweep.dt);
         let stretch = spring + sweep.middle * (sweep.dt - self.ago);
-        let stuck = (stretch * stiffness + velocity * drag) * -self.share;
+        let stuck = (stretch * stiffness + velocity * dashpot) * -self.share;
         let stuck = stuck - normal * stuck.dot(normal);
         let size = stuck.length();
         (size < 2.0 * self.cap).then(|| stuck * (1.0 - 0.25 * size / self.cap))
@@ -102,18 +102,18 @@ impl Slider {
     #[must_use]
     pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &TangentialStep<V>, normal: V) -> SliderForce<V> {
         let TangentialStep { middle, gained, spring_shares: [counts_before, counts], .. } = *sweep;
-        let [drag_before, drag] = sweep.mean_drags;
+        let [dashpot_before, dashpot] = sweep.mean_dashpots;
         let [cap_before, cap] = sweep.averaged_caps;
         let pulled = sweep.pulled * counts_before;
-        let (_, earlier) = cut(pulled - (middle - gained) * drag_before, cap_before);
+        let (_, earlier) = cut(pulled - (middle - gained) * dashpot_before, cap_before);
         let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * sweep.dt * mobility);
         let before = *spring;
         let swept = self.spring_after_event(before, sweep, earlier * half) + middle * sweep.gathering;
         let mut after = swept - normal * swept.dot(normal);
         let elastic = after * -self.stiffness;
-        let undragged = middle + gained - (earlier - pulled) * half + (elastic * counts - pulled) * half_lone;
-        let end = undragged * (1.0 / (1.0 + half * drag));
-        let (is_beyond, whole) = cut(elastic - end * self.drag, self.cap);
+        let undamped = middle + gained - (earlier - pulled) * half + (elastic * counts - pulled) * half_lone;
+        let end = undamped * (1.0 / (1.0 + half * dashpot));
+        let (is_beyond, whole) = cut(elastic - end * self.dashpot, self.cap);
         if sweep.gathering <= 0.0 {
             // Across a gap no spring is kept: an old contact has ended, and a new one starts at its event in the next
             // step.
@@ -123,7 +123,7 @@ impl Slider {
             after = self.spring_at_cap(whole, end, after);
         }
         let at_cap = is_beyond && !sweep.normal_fades;
-        let average = if at_cap { whole * sweep.shares[1] } else { elastic * counts - end * drag };
+        let average = if at_cap { whole * sweep.shares[1] } else { elastic * counts - end * dashpot };
         let (is_beyond_average, mut force) = cut(average, cap);
         if let Some(release) = &sweep.release
             && let Some(stuck) = release.force(before, sweep, normal)
@@ -133,19 +133,19 @@ impl Slider {
             force = stuck + whole * rest;
         }
         let end = middle + gained + (force - earlier) * half_lone;
-        *spring = if sweep.gathering > 0.0 { after + end * sweep.lead } else { after };
+        *spring = if sweep.gathering > 0.0 { after + end * sweep.springs_ahead } else { after };
         // The loss is computed as if the spring pulled for the whole step; the difference of the averaged force counts as
         // dashpot force.
         let lost = 0.5 * self.stiffness * (before + after).dot(before + middle * sweep.dt - after);
-        let drag = force + after * self.stiffness;
-        SliderForce { force, drag, lost, is_sliding: is_beyond || is_beyond_average }
+        let dashpot = force + after * self.stiffness;
+        SliderForce { force, dashpot, lost, is_sliding: is_beyond || is_beyond_average }
     }
 
     /// Returns the spring that, with a dashpot at `velocity`, gives `force` at the cap. Without stiffness it returns
     /// `spring`.
     #[inline(always)]
     fn spring_at_cap<V: Space>(&self, force: V, velocity: V, spring: V) -> V {
-        if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
+        if self.stiffness > 0.0 { (force + velocity * self.dashpot) / -self.stiffness } else { spring }
     }
 
     /// Returns the spring after the event, if there was one. `own` is the velocity that the contact's own force of the
@@ -157,7 +157,7 @@ impl Slider {
         // steps.
         let own = if opens { own } else { V::ZERO };
         let then = sweep.middle + (sweep.gained - own) * (1.0 - 2.0 * ago / sweep.dt) - own * 2.0;
-        let (is_beyond, force) = cut(spring * -self.stiffness - then * self.drag, cap);
+        let (is_beyond, force) = cut(spring * -self.stiffness - then * self.dashpot, cap);
         if is_beyond { self.spring_at_cap(force, then, spring) } else { spring }
     }
 }

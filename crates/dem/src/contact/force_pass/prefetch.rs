@@ -8,14 +8,10 @@
 use std::hint::black_box;
 use std::ops::Range;
 
-use crate::contact::LawRequirements;
-use crate::contact::kernel::worker::Worker;
+use crate::contact::force_accumulation::touch;
+use crate::contact::force_pass::worker::Worker;
+use crate::contact::law::LawRequirements;
 use crate::space::Space;
-
-/// Reads one number of each entry, which loads the entries into the cache.
-pub(in crate::contact) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) -> u64 {
-    entries.iter().fold(0, |all, entry| all ^ number(entry).to_bits())
-}
 
 impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Prefetches data of the partners of rows before `end`, starting at slot `start`. Returns the slot at which the

@@ -1,6 +1,6 @@
 //! Velocities of single contacts in the middle of the step and at its end, from the gains in the store.
 
-use crate::contact::{Gathered, Pair};
+use crate::contact::pair::{Gathered, Pair};
 use crate::neighbours::list::Candidate;
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
@@ -8,7 +8,7 @@ use crate::store::ParticleStore;
 impl<V: Space> ParticleStore<V> {
     /// Turns a contact of two particles with predicted velocities into one with the velocities in the middle of the step
     /// and their prediction.
-    pub(super) fn predict_pair(&self, contact: Candidate, pair: &mut Pair<V>) {
+    pub(in crate::contact) fn predict_pair(&self, contact: Candidate, pair: &mut Pair<V>) {
         let [i, j] = contact.both();
         // Differences of the two, so that they change their sign exactly if i and j are exchanged.
         pair.relative_velocity = self.middle_velocity(i) - self.middle_velocity(j);
@@ -18,7 +18,7 @@ impl<V: Space> ParticleStore<V> {
     }
 
     /// Like [`Self::predict_pair`], for a contact with a wall surface.
-    pub(super) fn predict_with_wall(&self, contact: Candidate, pair: &mut Pair<V>) {
+    pub(in crate::contact) fn predict_with_wall(&self, contact: Candidate, pair: &mut Pair<V>) {
         let i = contact.first();
         pair.relative_velocity -= self.body[i].velocity - self.middle_velocity(i);
         pair.ahead.velocity = self.gain(i);
@@ -27,7 +27,7 @@ impl<V: Space> ParticleStore<V> {
 
     /// Returns the velocities of two particles in the middle of the step.
     #[inline(always)]
-    pub(super) fn gathered(&self, contact: Candidate) -> Gathered<V> {
+    pub(in crate::contact) fn gathered(&self, contact: Candidate) -> Gathered<V> {
         let [i, j] = contact.both();
         Gathered {
             relative_velocity: self.middle_velocity(i) - self.middle_velocity(j),
@@ -37,7 +37,7 @@ impl<V: Space> ParticleStore<V> {
 
     /// Like [`Self::gathered`], for a contact of particle `i` with a wall surface, which moves at a constant velocity during the step.
     #[inline(always)]
-    pub(super) fn gathered_with_wall(&self, i: usize, pair: &Pair<V>) -> Gathered<V> {
+    pub(in crate::contact) fn gathered_with_wall(&self, i: usize, pair: &Pair<V>) -> Gathered<V> {
         let ahead = self.body[i].velocity - self.middle_velocity(i);
         Gathered { relative_velocity: pair.relative_velocity - ahead, spins: [self.middle_spin(i), V::Spin::ZERO] }
     }
@@ -54,7 +54,7 @@ impl<V: Space> ParticleStore<V> {
             return;
         }
         pair.ahead.inverse_masses[side] = self.body[i].inverse_mass;
-        pair.ahead.only_contact[side] = f64::from(self.prediction.lone[i]);
+        pair.ahead.lone[side] = f64::from(self.prediction.lone[i]);
         if let Some(rotation) = self.rotation.get(i) {
             let middle = self.prediction.middle_spin[i];
             pair.ahead.spins[side] = (rotation.spin - middle) * (1.0 / self.prediction.spin_share);
