@@ -5,6 +5,8 @@
 //! `flow.from` to `flow.to`. All particles have equal weight. Velocities are in m per step: `vx_m_per_step`,
 //! `vy_m_per_step`.
 
+use std::fmt::Write as _;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
@@ -39,10 +41,14 @@ pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
     Column::new("vy_m_per_step", "m/step", VELOCITY, |row| Scientific(row.vy)),
 ];
 
-/// Returns the means of a field as rows.
+/// Returns the means of a field as rows. Writing to a string cannot fail.
 fn rows(field: &FlowField) -> String {
     let columns = Columns::of(false, &[COLUMNS]);
-    field.means().iter().map(|means| format!("{}\n", columns.cells(means))).collect()
+    let mut text = String::new();
+    for means in field.means() {
+        let _ = writeln!(text, "{}", columns.cells(&means));
+    }
+    text
 }
 
 fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>, mut outcome: ResMut<Outcome>) {

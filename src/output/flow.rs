@@ -9,6 +9,8 @@
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.
 
+use std::fmt::Write as _;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
@@ -43,10 +45,14 @@ pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
     Column::new("vy_m_per_s", "m/s", VELOCITY, |row| Scientific(row.vy)),
 ];
 
-/// Returns the means of a field as rows.
+/// Returns the means of a field as rows. Writing to a string cannot fail.
 fn rows(field: &FlowField) -> String {
     let columns = Columns::of(false, &[COLUMNS]);
-    field.means().iter().map(|means| format!("{}\n", columns.cells(means))).collect()
+    let mut text = String::new();
+    for means in field.means() {
+        let _ = writeln!(text, "{}", columns.cells(&means));
+    }
+    text
 }
 
 fn sample(
