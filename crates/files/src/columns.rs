@@ -113,6 +113,7 @@ impl<T> Columns<T> {
     }
 
     /// Returns the cells of a row, separated by commas and without a line break.
+    #[must_use]
     pub fn cells<'a>(&'a self, row: &'a T) -> impl Display + 'a {
         Cells { columns: &self.0, row }
     }
