@@ -44,7 +44,7 @@ use siloflow_dem::walls::conveyor::ConveyorPlugin;
 use siloflow_dem::walls::enclosure::Enclosure;
 use siloflow_dem::walls::leaving::LeavingWallsPlugin;
 use siloflow_dem::walls::moving::MovingWallsPlugin;
-use siloflow_dem::walls::paths::SurfaceWalls;
+use siloflow_dem::walls::paths::SolidEnclosure;
 use siloflow_dem::walls::surfaces::Surfaces;
 
 /// Adds the end by a clog. If several are asked for, the first to hold is the one of the shortest time.
@@ -232,7 +232,7 @@ pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
     if loaded.scene.walls.iter().any(Wall::is_surface) {
         app.add(
             "walls",
-            PathsPlugin { paths: Arc::new(SurfaceWalls(Surfaces::new(walls, smallest_radius))), smallest_radius },
+            PathsPlugin { paths: Arc::new(SolidEnclosure(Surfaces::new(walls, smallest_radius))), smallest_radius },
         );
     }
 }

@@ -4,12 +4,6 @@
 //! `flow.from` to `flow.to`. All particles have equal weight. Velocities are in m per step: `vx_m_per_step`,
 //! `vy_m_per_step`.
 
-<<<<<<< HEAD
-=======
-use std::fmt::Write as _;
-
-use bevy_app::{App, Plugin};
->>>>>>> 87f463b2bb49a10134d8960631ff262c498eb384
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParamItem;
 
@@ -34,20 +28,8 @@ pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
     Column::new("vy_m_per_step", "m/step", VELOCITY, |row| Scientific(row.vy)),
 ];
 
-<<<<<<< HEAD
 /// The particles of the gas as the field of mean velocity counts them.
 pub(crate) struct FlowOfLattice;
-=======
-/// Returns the means of a field as rows. Writing to a string cannot fail.
-fn rows(field: &FlowField) -> String {
-    let columns = Columns::of(false, &[COLUMNS]);
-    let mut text = String::new();
-    for means in field.means() {
-        let _ = writeln!(text, "{}", columns.cells(&means));
-    }
-    text
-}
->>>>>>> 87f463b2bb49a10134d8960631ff262c498eb384
 
 impl FlowSource for FlowOfLattice {
     const COLUMNS: &[Column<FlowMeans>] = COLUMNS;

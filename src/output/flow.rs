@@ -12,11 +12,8 @@
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.
 
-<<<<<<< HEAD
-use std::marker::PhantomData;
-=======
 use std::fmt::Write as _;
->>>>>>> 87f463b2bb49a10134d8960631ff262c498eb384
+use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -89,21 +86,14 @@ pub(crate) const COLUMNS: &[Column<FlowMeans>] = &[
     Column::new("vy_m_per_s", "m/s", VELOCITY, |row| Scientific(row.vy)),
 ];
 
-<<<<<<< HEAD
-/// Returns the means of a field as rows.
+/// Returns the means of a field as rows. Writing to a string cannot fail.
 fn rows(columns: &'static [Column<FlowMeans>], field: &FlowField) -> String {
     let columns = Columns::of(false, &[columns]);
-    field.means().iter().map(|means| format!("{}\n", columns.cells(means))).collect()
-=======
-/// Returns the means of a field as rows. Writing to a string cannot fail.
-fn rows(field: &FlowField) -> String {
-    let columns = Columns::of(false, &[COLUMNS]);
     let mut text = String::new();
     for means in field.means() {
         let _ = writeln!(text, "{}", columns.cells(&means));
     }
     text
->>>>>>> 87f463b2bb49a10134d8960631ff262c498eb384
 }
 
 #[derive(Resource)]

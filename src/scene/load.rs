@@ -16,6 +16,7 @@ use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
 use siloflow_dem::contact::history::remembered::{self, RememberedContacts};
 use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh;
+use siloflow_dem::walls::motion::Table;
 use siloflow_dem::walls::motion::table::Curve;
 use siloflow_dem::walls::silo_file::{self, SiloGeometry};
 use siloflow_text::fault::Fault;
@@ -84,12 +85,12 @@ fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
 fn read_tables(loaded: &mut Loaded) -> Result<(), Fault> {
     let components = loaded.scene.space.count();
     for (index, motion) in loaded.scene.motions.iter_mut().enumerate() {
-        for (key, file, curve, count) in motion.tables(components) {
+        for Table { key, file, curve, values } in motion.tables(components) {
             let key = format!("motions[{index}].{key}");
             let path = loaded.source.name_file(&key, file);
             let text =
                 input::read_text(&path, TABLE_BYTES).map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
-            let read = Curve::parse(&text, count).map_err(|message| {
+            let read = Curve::parse(&text, values).map_err(|message| {
                 let message = format!("{}: {message}", path.display());
                 loaded.source.fault("scene::table", &key, message).help(
                     "give a CSV file: a header that begins with `time_s`, then rows of a time (s) and the components of the \

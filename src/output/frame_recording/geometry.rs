@@ -100,7 +100,8 @@ mod tests {
     use siloflow_dem::walls::shapes::prism::Prism;
     use siloflow_dem::walls::shapes::revolved::Revolved;
     use siloflow_dem::walls::shapes::spherical_zone::SphericalZone;
-    use siloflow_dem::walls::shapes::trimmed::{Trimmed, Whole};
+    use siloflow_dem::walls::shapes::trimmed::Trimmed;
+    use siloflow_dem::walls::shapes::whole::Whole;
     use siloflow_dem::walls::surface::Surface;
 
     const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];

@@ -64,7 +64,7 @@ fn of_mesh(number: usize, triangles: &[[Solid; 3]], budget: &Budget, warnings: &
             "make the mesh anew with triangles of better shape, if contacts there matter to you",
         );
     }
-    if let [(one, other), ..] = found.overlaps[..] {
+    if let [[one, other], ..] = found.overlaps[..] {
         let count = found.overlaps.len();
         let count = if count < MOST_OVERLAPS { count.to_string() } else { format!("{count} or more") };
         warn(

@@ -3,9 +3,9 @@
 //! A grain at a side touches what stands beyond it, so a wall is repeated by whole lengths of the box as far as a grain in the
 //! box reaches it: over its way, if it moves. The images belong to the wall: they have its number, its motion and its door.
 //!
-//! Not repeated is what is the same in every image along an axis: a half-plane along the axis, and a panel, segment or cylinder that runs along
-//! the axis from side to side. Refused is what cannot be repeated: a half-plane across an axis, which would fill the box, and a wall
-//! that turns about an axis other than the periodic one and reaches a side, because its images would have to turn about axes of their own.
+//! A wall that is the same in every image along an axis is not repeated along it: a half-plane along the axis, or a panel, segment or cylinder that
+//! runs along the axis from side to side. Two walls cannot be repeated, and are refused: a half-plane across an axis, because its images would fill the
+//! box, and a wall that turns about an axis other than the periodic one and reaches a side, because its images would turn about axes of their own.
 
 use crate::door::DoorMotion;
 use crate::scene::loaded::Loaded;

@@ -37,7 +37,7 @@ pub struct MeshFaults {
     /// Slivers.
     pub slivers: Vec<usize>,
     /// Pairs of triangles that overlap in a plane, at most [`MOST_OVERLAPS`].
-    pub overlaps: Vec<(usize, usize)>,
+    pub overlaps: Vec<[usize; 2]>,
 }
 
 /// Returns the faults of a mesh. Where the budget ends, it is told what was not examined: `what`, and the part of it.
@@ -51,17 +51,25 @@ pub fn faults(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> MeshFaul
 /// Returns the number of edges that two triangles pass in the same direction.
 #[must_use]
 pub fn reversed(triangles: &[[Solid; 3]]) -> usize {
-    edges(triangles).values().filter(|found| found.len() == 2 && found[0].2 == found[1].2).count()
+    edges(triangles).values().filter(|found| found.len() == 2 && found[0].is_forward == found[1].is_forward).count()
 }
 
-/// Index of a triangle, index of an edge in it, and whether the edge runs from the lower to the higher corner.
-type Edge = (usize, usize, bool);
+/// An edge of a triangle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Edge {
+    /// Index of the triangle.
+    triangle: usize,
+    /// Index of the edge in the triangle.
+    edge: usize,
+    /// Whether the edge runs from the lower to the higher corner.
+    is_forward: bool,
+}
 
 fn key(corner: Solid) -> [u64; 3] {
     (corner + Solid::ZERO).to_array().map(f64::to_bits)
 }
 
-fn ends(triangles: &[[Solid; 3]], (triangle, edge, _): Edge) -> [Solid; 2] {
+fn ends(triangles: &[[Solid; 3]], triangle: usize, edge: usize) -> [Solid; 2] {
     [triangles[triangle][edge], triangles[triangle][(edge + 1) % 3]]
 }
 
@@ -70,10 +78,10 @@ fn edges(triangles: &[[Solid; 3]]) -> FxHashMap<[[u64; 3]; 2], Vec<Edge>> {
     let mut edges: FxHashMap<_, Vec<Edge>> = FxHashMap::default();
     for triangle in 0..triangles.len() {
         for edge in 0..3 {
-            let [from, to] = ends(triangles, (triangle, edge, true)).map(key);
+            let [from, to] = ends(triangles, triangle, edge).map(key);
             let is_forward = from <= to;
             let ends = if is_forward { [from, to] } else { [to, from] };
-            edges.entry(ends).or_default().push((triangle, edge, is_forward));
+            edges.entry(ends).or_default().push(Edge { triangle, edge, is_forward });
         }
     }
     edges
@@ -89,11 +97,11 @@ fn t_junctions(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<usi
     let mut open: Vec<Edge> =
         edges(triangles).into_values().filter(|found| found.len() == 1).map(|found| found[0]).collect();
     open.sort_unstable();
-    let places: BTreeSet<_> = open.iter().flat_map(|&edge| ends(triangles, edge)).map(key).collect();
+    let places: BTreeSet<_> = open.iter().flat_map(|edge| ends(triangles, edge.triangle, edge.edge)).map(key).collect();
     let corners: Vec<Solid> = places.into_iter().map(|place| Solid::from_array(place.map(f64::from_bits))).collect();
     let tree = BoxTree::new(&corners.iter().map(|corner| [corner.to_array(); 2]).collect::<Vec<_>>());
     let is_divided = |edge: Edge| {
-        let [from, to] = ends(triangles, edge);
+        let [from, to] = ends(triangles, edge.triangle, edge.edge);
         let way = to - from;
         let tolerance = ON * way.length();
         let found = tree.search(
@@ -114,7 +122,7 @@ fn t_junctions(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<usi
             budget.give_up(format!("T-junctions {what}, after {done} of {} open edges", open.len()));
             break;
         }
-        found.extend(is_divided(edge).then_some(edge.0 + 1));
+        found.extend(is_divided(edge).then_some(edge.triangle + 1));
     }
     found.dedup();
     found
@@ -212,7 +220,7 @@ impl Flat {
 
 /// Returns the pairs of triangles in one plane that cover a common area, at most [`MOST_OVERLAPS`]. Where the budget ends, it is told so.
 #[must_use]
-fn overlaps(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<(usize, usize)> {
+fn overlaps(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<[usize; 2]> {
     let flat: Vec<_> = triangles.iter().map(Flat::new).collect();
     let bounds: Vec<_> = flat.iter().map(Flat::bounds).collect();
     let tree = BoxTree::new(&bounds);
@@ -232,7 +240,7 @@ fn overlaps(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<(usize
                     && own.may_overlap(&bounds[one], &bounds[other])
                     && cover_common_area(&own.corners, &triangles[other])
                 {
-                    found.push((one.min(other) + 1, one.max(other) + 1));
+                    found.push([one.min(other) + 1, one.max(other) + 1]);
                 }
                 if found.len() == MOST_OVERLAPS { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             },
@@ -304,9 +312,9 @@ mod tests {
         let sliver = [[at(0.0, 0.0), at(2.0, 0.0), at(1.0, 0.015)]];
         assert_eq!(faults(&sliver).slivers, [1]);
         let shifted = [[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)], [at(0.5, 0.0), at(1.5, 0.0), at(1.5, 1.0)]];
-        assert_eq!(faults(&shifted).overlaps, [(1, 2)]);
+        assert_eq!(faults(&shifted).overlaps, [[1, 2]]);
         let inside = [[at(0.0, 0.0), at(3.0, 0.0), at(0.0, 3.0)], [at(0.5, 0.5), at(0.5, 1.0), at(1.0, 0.5)]];
-        assert_eq!(faults(&inside).overlaps, [(1, 2)]);
+        assert_eq!(faults(&inside).overlaps, [[1, 2]]);
         let turned = [[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)], [at(0.0, 1.0), at(1.0, 1.0), at(0.0, 0.0)]];
         assert_eq!((reversed(&turned), reversed(&shifted)), (1, 0));
     }
@@ -353,7 +361,7 @@ mod tests {
                 let lowest = |t: usize| triangles[t].iter().map(|corner| corner.x).fold(f64::INFINITY, f64::min);
                 let (first, second) = if lowest(other) < lowest(one) { (other, one) } else { (one, other) };
                 if cover_common_area(&triangles[first], &triangles[second]) {
-                    expected.push((one + 1, other + 1));
+                    expected.push([one + 1, other + 1]);
                 }
             }
         }
@@ -384,7 +392,7 @@ mod tests {
         let pile: Vec<_> = (0..3000).map(|n| [at(0.0, 0.0), at(1.0, 0.0), at(1.0 + f64::from(n), 1.0)]).collect();
         assert_eq!(faults(&pile).overlaps.len(), MOST_OVERLAPS);
         let empty = Budget::of(Duration::ZERO);
-        assert_eq!(super::faults(&pile, "of a pile", &empty).overlaps, []);
+        assert!(super::faults(&pile, "of a pile", &empty).overlaps.is_empty());
         let unfinished = empty.take_unfinished();
         assert!(unfinished[0].starts_with("T-junctions of a pile") && unfinished[1].starts_with("overlaps of a pile"));
     }

@@ -29,6 +29,15 @@ pub struct NearWalls {
     walls_changed: Tick,
 }
 
+/// The walls that a grain reaches.
+struct Reach<'a, V: Space> {
+    walls: &'a Surfaces<V>,
+    /// Walls that it reaches from every place.
+    always: &'a [usize],
+    /// Distance from its centre within which it reaches the others, m.
+    distance: f64,
+}
+
 impl NearWalls {
     /// Returns the present pairs; updates them if needed.
     pub fn of<V: Space>(&mut self, store: &ParticleStore<V>, walls: &Surfaces<V>, has_changed: bool) -> &[Candidate] {
@@ -47,14 +56,14 @@ impl NearWalls {
                 let beyond = sides.map(|sides| sides.images_beyond(body.position, slack));
                 if let Some(beyond) = beyond.filter(|images| !images.is_empty()) {
                     let places = [&[body.position], &beyond[..]].concat();
-                    self.add_at(i, (&places, body.radius + slack), (walls, &always));
+                    self.add_at(i, &places, &Reach { walls, always: &always, distance: body.radius + slack });
                     continue;
                 }
                 if walls.are_many() {
                     walls.find_near(body.position, body.radius + slack, &mut candidates);
                 }
                 for &number in &candidates {
-                    // Written so that NaN counts as not near.
+                    // A distance that is not a number counts as not near.
                     let wall = number as usize;
                     if walls.all[wall].surface.distance(body.position) < body.radius + slack || always.contains(&wall) {
                         self.pairs.push(Candidate::new(i, number));
@@ -67,13 +76,15 @@ impl NearWalls {
         &self.pairs
     }
 
-    /// Adds the pairs of a grain that may come to any of these places, with the walls nearer than `reach`, m.
+    /// Adds the pairs of a grain that may come to any of these places, with the walls within reach.
     #[cold]
-    fn add_at<V: Space>(&mut self, i: u32, (places, reach): (&[V], f64), (walls, always): (&Surfaces<V>, &[usize])) {
+    fn add_at<V: Space>(&mut self, i: u32, places: &[V], reach: &Reach<V>) {
+        let Reach { walls, always, distance } = *reach;
         let mut own = Vec::new();
         for &x in places {
-            let near = walls.near(x, reach);
-            let near = near.iter().filter(|wall| walls.all[*wall].surface.distance(x) < reach || always.contains(wall));
+            let near = walls.near(x, distance);
+            let near =
+                near.iter().filter(|wall| walls.all[*wall].surface.distance(x) < distance || always.contains(wall));
             own.extend(near.filter_map(|wall| Some(Candidate::new(i, u32::try_from(wall).ok()?))));
         }
         own.sort_unstable();

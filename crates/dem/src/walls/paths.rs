@@ -1,7 +1,7 @@
 //! Paths of grains: the lines or faces that they must not cross, and the way out.
 //!
 //! In the plane, the lines are an [`Enclosure`](crate::walls::enclosure::Enclosure) of wall grains and wall surfaces. In solid
-//! space the faces are [`SurfaceWalls`] alone, and the way out is the place of a door.
+//! space the faces are [`SolidEnclosure`] alone, and the way out is the place of a door.
 
 use crate::space::{Solid, Space};
 use crate::walls::surfaces::Surfaces;
@@ -27,15 +27,15 @@ pub trait Paths<V: Space>: Send + Sync {
     /// Returns the line or face that the straight path crosses first.
     fn crossing(&self, from: V, to: V) -> Option<Crossing<V>>;
 
-    /// Returns the side of the walls' bounding box through which a grain has left, in words.
+    /// Returns the side of the bounding box of the walls through which a grain has left, in words.
     fn beyond(&self, before: V, here: V) -> Option<&'static str>;
 }
 
-/// The wall surfaces of a solid scene, without those that a motion moves; doors at their shut places.
+/// The wall surfaces that enclose the grains of a scene of solid space: all but those that a motion moves, with doors at their shut places.
 #[derive(Clone, Debug)]
-pub struct SurfaceWalls(pub Surfaces<Solid>);
+pub struct SolidEnclosure(pub Surfaces<Solid>);
 
-impl Paths<Solid> for SurfaceWalls {
+impl Paths<Solid> for SolidEnclosure {
     fn crossing(&self, from: Solid, to: Solid) -> Option<Crossing<Solid>> {
         let mut first: Option<(f64, Crossing<Solid>)> = None;
         for index in self.0.on_path(from, to).iter() {
@@ -74,7 +74,7 @@ mod tests {
             |x: f64| Surface::Panel(Panel { corner: Solid::new(x, 0.0, 0.0), along: Solid::X, across: Solid::Y });
         let floor = Surface::HalfPlane(HalfPlane { point: Solid::new(0.0, 0.0, -1.0), normal: Solid::Z });
         let walls = [wall(panel(0.0), false), wall(panel(1.0), true), wall(floor, false)];
-        let walls = SurfaceWalls(Surfaces::new(walls.to_vec(), 0.0));
+        let walls = SolidEnclosure(Surfaces::new(walls.to_vec(), 0.0));
         let down = |x: f64, to: f64| walls.crossing(Solid::new(x, 0.5, 0.1), Solid::new(x, 0.5, to));
         assert_eq!(down(1.5, -0.1), Some(Crossing::Orifice(3)));
         assert_eq!(down(0.5, -0.1), Some(Crossing::Surface));

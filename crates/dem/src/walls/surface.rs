@@ -1,7 +1,5 @@
 //! The list of the shapes that a wall surface may have.
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
 use crate::walls::shapes::ball::Ball;
@@ -15,8 +13,7 @@ use crate::walls::shapes::trimmed::Trimmed;
 use crate::walls::shapes::{Nearest, Shape};
 
 /// The shape of a wall.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug)]
 pub enum Surface<V: Space = Plane> {
     /// Solid behind the surface.
     HalfPlane(HalfPlane<V>),

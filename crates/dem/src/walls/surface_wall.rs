@@ -13,8 +13,7 @@ use crate::walls::pose::Pose;
 use crate::walls::surface::Surface;
 
 /// A wall surface: a wall of the scene, or a triangle of one.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug)]
 pub struct SurfaceWall<V: Space = Plane> {
     /// Geometry.
     pub surface: Surface<V>,

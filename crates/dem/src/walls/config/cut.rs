@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::space::Space;
 use crate::values::{FiniteVector, Positive};
 use crate::walls::shapes::prism::Prism;
-use crate::walls::shapes::trimmed::Whole;
+use crate::walls::shapes::whole::Whole;
 
 /// The outline of a hole or patch. It cuts the wall that it meets when it moves along its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -14,7 +14,8 @@ use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
 use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::triangle::Triangle;
-use crate::walls::shapes::trimmed::{RimFault, Trimmed, Whole};
+use crate::walls::shapes::trimmed::{RimFault, Trimmed};
+use crate::walls::shapes::whole::Whole;
 use crate::walls::surface::Surface;
 use crate::walls::triangulation;
 

@@ -5,7 +5,14 @@
 //! `serde(flatten)`, loses the places of values and the lists of known keys that messages need. So the text is parsed into an enum `Written`
 //! that has all keys, and is converted. The list gives each key once.
 
-/// Makes `WallShape`, `Written`, and the conversions between `Written` and `Wall`. The attributes `serde` are those of the text.
+/// The keys that every wall has.
+pub(super) struct CommonKeys {
+    pub species: u8,
+    pub name: Option<String>,
+    pub door: bool,
+}
+
+/// Makes `WallShape`, `Written`, and the conversions between them. The attributes `serde` are those of the text.
 macro_rules! wall_shapes {
     ($(
         $(#[doc = $doc:expr])+
@@ -53,20 +60,20 @@ macro_rules! wall_shapes {
             )+
         }
 
-        impl From<Written> for Wall {
-            fn from(written: Written) -> Self {
-                match written {
+        impl Written {
+            /// Returns the keys of the shape and those that every wall has.
+            pub(super) fn split(self) -> (WallShape, CommonKeys) {
+                match self {
                     $(
-                        Written::$Shape { $($key,)+ species, name, door } => {
-                            Self { shape: WallShape::$Shape { $($key),+ }, species, name, door }
+                        Self::$Shape { $($key,)+ species, name, door } => {
+                            (WallShape::$Shape { $($key),+ }, CommonKeys { species, name, door })
                         }
                     )+
                 }
             }
-        }
 
-        impl From<Wall> for Written {
-            fn from(Wall { shape, species, name, door }: Wall) -> Self {
+            /// Returns the wall of a shape with these keys.
+            pub(super) fn joined(shape: WallShape, CommonKeys { species, name, door }: CommonKeys) -> Self {
                 match shape {
                     $(WallShape::$Shape { $($key),+ } => Self::$Shape { $($key,)+ species, name, door },)+
                 }

@@ -7,6 +7,7 @@ pub mod shape;
 
 use serde::{Deserialize, Serialize};
 
+use self::keys::CommonKeys;
 use self::shape::{WallShape, Written};
 use crate::particle::Species;
 use crate::space::{Linear as _, Solid, Space};
@@ -37,6 +38,19 @@ pub struct WallGrain {
     pub radius: f64,
     /// Material.
     pub species: Species,
+}
+
+impl From<Written> for Wall {
+    fn from(written: Written) -> Self {
+        let (shape, CommonKeys { species, name, door }) = written.split();
+        Self { shape, species, name, door }
+    }
+}
+
+impl From<Wall> for Written {
+    fn from(Wall { shape, species, name, door }: Wall) -> Self {
+        Self::joined(shape, CommonKeys { species, name, door })
+    }
 }
 
 impl Wall {

@@ -5,9 +5,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Wall;
 use super::cut::Cut;
-use super::keys::wall_shapes;
+use super::keys::{CommonKeys, wall_shapes};
 use crate::space::Solid;
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 use crate::walls::silo_file::LengthUnit;

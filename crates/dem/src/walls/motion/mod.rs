@@ -19,8 +19,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use self::table::Curve;
-use crate::space::{Solid, Space};
+use self::table::{Curve, InTime};
+use crate::space::{Linear as _, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 use crate::walls::pose::Pose;
 
@@ -102,19 +102,19 @@ impl Values for Finite {
 
 impl<T: Values> Course<T> {
     /// Returns the values after `tau` (s), and their rates (1/s).
-    fn at(&self, tau: f64) -> (Solid, Solid) {
+    fn at(&self, tau: f64) -> InTime<Solid> {
         match self {
-            Self::Steady(rate) => (rate.padded_values() * tau, rate.padded_values()),
+            Self::Steady(rate) => InTime { value: rate.padded_values() * tau, rate: rate.padded_values() },
             Self::Oscillate { amplitude, frequency, phase } => {
                 let amplitude = amplitude.padded_values();
                 let pulse = TAU * frequency.get();
                 let phase = phase.map_or(0.0, Finite::get);
                 let (sine, cosine) = (pulse * tau + phase).sin_cos();
-                (amplitude * (sine - phase.sin()), amplitude * (pulse * cosine))
+                InTime { value: amplitude * (sine - phase.sin()), rate: amplitude * (pulse * cosine) }
             }
             Self::Table { curve, .. } => {
-                let (values, rates) = curve.at(tau);
-                (values.into(), rates.into())
+                let InTime { value, rate } = curve.at(tau);
+                InTime { value: value.into(), rate: rate.into() }
             }
         }
     }
@@ -143,6 +143,19 @@ impl<T: Values> Course<T> {
     }
 }
 
+/// A table of a motion.
+#[derive(Debug)]
+pub struct Table<'a> {
+    /// The key of its file, within the motion.
+    pub key: &'static str,
+    /// Path of the file, relative to the scene file.
+    pub file: &'a PathBuf,
+    /// The curve that the rows make.
+    pub curve: &'a mut Arc<Curve>,
+    /// Number of values in a row.
+    pub values: usize,
+}
+
 /// Pose of a wall and its rate of change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseInTime<V: Space> {
@@ -161,17 +174,21 @@ impl Motion {
         let tau = time.clamp(from, until) - from;
         let is_under_way = (from..until).contains(&time);
         let rate = |rate: Solid| if is_under_way { rate } else { Solid::ZERO };
-        let (shift, velocity) = self.translate.as_ref().map_or_else(Default::default, |course| course.at(tau));
-        let (about, axis, angle, turning) = self.rotate.as_ref().map_or_else(Default::default, |turn| {
+        let shift = self.translate.as_ref().map_or_else(Default::default, |course| course.at(tau));
+        let mut motion = PoseInTime {
+            pose: Pose::shifted(V::narrow(shift.value)),
+            velocity: V::narrow(rate(shift.rate)),
+            spin: V::Spin::ZERO,
+        };
+        if let Some(turn) = &self.rotate {
             let axis = turn.axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero();
-            let (angle, turning) = turn.by.at(tau);
-            (turn.about.padded(), axis, angle.x, turning.x)
-        });
-        PoseInTime {
-            pose: Pose { about: V::narrow(about), axis: V::narrow_spin(axis), angle, shift: V::narrow(shift) },
-            velocity: V::narrow(rate(velocity)),
-            spin: V::narrow_spin(rate(axis * turning)),
+            let angle = turn.by.at(tau);
+            motion.pose.about = V::narrow(turn.about.padded());
+            motion.pose.axis = V::narrow_spin(axis);
+            motion.pose.angle = angle.value.x;
+            motion.spin = V::narrow_spin(rate(axis * angle.rate.x));
         }
+        motion
     }
 
     /// Returns the lowest and the highest components of the shift up to the time `end` (s), m.
@@ -189,18 +206,18 @@ impl Motion {
             + self.rotate.as_ref().map_or(0.0, |turn| turn.by.fastest() * reach)
     }
 
-    /// Returns the tables of the motion, each with its key, its file and the number of its values: of a shift in a space with
-    /// `components`, and of an angle.
-    pub fn tables(
-        &mut self,
-        components: usize,
-    ) -> impl Iterator<Item = (&'static str, &PathBuf, &mut Arc<Curve>, usize)> {
+    /// Returns the tables of the motion: of a shift in a space with `components`, and of an angle.
+    pub fn tables(&mut self, components: usize) -> impl Iterator<Item = Table<'_>> {
         let shift = match &mut self.translate {
-            Some(Course::Table { file, curve }) => Some(("translate.file", &*file, curve, components)),
+            Some(Course::Table { file, curve }) => {
+                Some(Table { key: "translate.file", file, curve, values: components })
+            }
             _ => None,
         };
         let angle = match &mut self.rotate {
-            Some(Turn { by: Course::Table { file, curve }, .. }) => Some(("rotate.by.file", &*file, curve, 1)),
+            Some(Turn { by: Course::Table { file, curve }, .. }) => {
+                Some(Table { key: "rotate.by.file", file, curve, values: 1 })
+            }
             _ => None,
         };
         shift.into_iter().chain(angle)

@@ -15,6 +15,15 @@ pub struct Curve {
     rates: Vec<[f64; 3]>,
 }
 
+/// Values at a time, with their rates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InTime<T> {
+    /// The values.
+    pub value: T,
+    /// Their rates, 1/s.
+    pub rate: T,
+}
+
 impl Curve {
     /// Reads a CSV table: a header that begins with `time_s`, then a time (s) and `count` values (1 to 3) in each row.
     ///
@@ -63,7 +72,7 @@ impl Curve {
     fn first_overflow(&self) -> Option<usize> {
         let is_finite = |&row: &usize| {
             let length = self.times[row] - self.times[row - 1];
-            let is_finite = |(values, rates): ([f64; 3], [f64; 3])| values.iter().chain(&rates).all(|x| x.is_finite());
+            let is_finite = |found: InTime<[f64; 3]>| found.value.iter().chain(&found.rate).all(|x| x.is_finite());
             let slope = |axis: usize| (self.values[row][axis] - self.values[row - 1][axis]) / length;
             // Three times the slope is the largest rate, and its square is a part of speeds.
             let is_slow = length.is_finite() && (0..3).all(|axis| (3.0 * slope(axis)).powi(2).is_finite());
@@ -75,9 +84,9 @@ impl Curve {
 
     /// Returns the values at a time (s) and their rates (1/s).
     #[must_use]
-    pub fn at(&self, time: f64) -> ([f64; 3], [f64; 3]) {
+    pub fn at(&self, time: f64) -> InTime<[f64; 3]> {
         let next = self.times.partition_point(|&row| row <= time);
-        let rest = |row: usize| (self.values[row], [0.0; 3]);
+        let rest = |row: usize| InTime { value: self.values[row], rate: [0.0; 3] };
         if next == 0 {
             return rest(0);
         }
@@ -86,15 +95,15 @@ impl Curve {
         }
         let length = self.times[next] - self.times[next - 1];
         let share = (time - self.times[next - 1]) / length;
-        let mut found = ([0.0; 3], [0.0; 3]);
+        let mut found = InTime { value: [0.0; 3], rate: [0.0; 3] };
         for axis in 0..3 {
             let [from, to] = [next - 1, next].map(|row| self.values[row][axis]);
             let [start, end] = [next - 1, next].map(|row| self.rates[row][axis] * length);
             // from + c1 s + c2 s^2 + c3 s^3
             let c2 = 3.0 * (to - from) - 2.0 * start - end;
             let c3 = 2.0 * (from - to) + start + end;
-            found.0[axis] = from + share * (start + share * (c2 + share * c3));
-            found.1[axis] = (start + share * (2.0 * c2 + share * 3.0 * c3)) / length;
+            found.value[axis] = from + share * (start + share * (c2 + share * c3));
+            found.rate[axis] = (start + share * (2.0 * c2 + share * 3.0 * c3)) / length;
         }
         found
     }
@@ -113,7 +122,7 @@ impl Curve {
     pub fn fastest(&self) -> f64 {
         let middles = self.times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
         let length = |rate: [f64; 3]| rate.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
-        self.times.iter().copied().chain(middles).map(|time| length(self.at(time).1)).fold(0.0, f64::max)
+        self.times.iter().copied().chain(middles).map(|time| length(self.at(time).rate)).fold(0.0, f64::max)
     }
 }
 
@@ -147,11 +156,11 @@ mod tests {
     fn a_straight_table_is_a_straight_line() {
         let curve = Curve::parse("time_s,x_m,y_m\n0,1,0\n1,3,0\n4,9,0\n", 2).unwrap();
         for time in [0.0, 0.3, 1.0, 2.7] {
-            let (values, rates) = curve.at(time);
-            assert!((values[0] - (1.0 + 2.0 * time)).abs() < 1e-14 && (rates[0] - 2.0).abs() < 1e-14, "{time}");
+            let InTime { value, rate } = curve.at(time);
+            assert!((value[0] - (1.0 + 2.0 * time)).abs() < 1e-14 && (rate[0] - 2.0).abs() < 1e-14, "{time}");
         }
-        assert_eq!(curve.at(-1.0), ([1.0, 0.0, 0.0], [0.0; 3]));
-        assert_eq!(curve.at(9.0), ([9.0, 0.0, 0.0], [0.0; 3]));
+        assert_eq!(curve.at(-1.0), InTime { value: [1.0, 0.0, 0.0], rate: [0.0; 3] });
+        assert_eq!(curve.at(9.0), InTime { value: [9.0, 0.0, 0.0], rate: [0.0; 3] });
     }
 
     #[test]
@@ -159,11 +168,11 @@ mod tests {
         let curve = Curve::parse("time_s,angle_rad\n0,0\n0.1,1\n0.5,1\n0.6,0.2\n2,0\n", 1).unwrap();
         let times = (0..2000).map(|n| f64::from(n) * 1e-3);
         for time in times {
-            let value = curve.at(time).0[0];
-            let rate = curve.at(time).1[0];
+            let value = curve.at(time).value[0];
+            let rate = curve.at(time).rate[0];
             assert!((-1e-15..=1.0 + 1e-15).contains(&value), "{time}: {value}");
             let step = 1e-7;
-            let slope = (curve.at(time + step).0[0] - value) / step;
+            let slope = (curve.at(time + step).value[0] - value) / step;
             // The second derivative is at most 6 |change| / length^2 = 600 per s^2, times half the step.
             assert!(curve.times.contains(&time) || (slope - rate).abs() < 1e-4, "{time}: {slope} {rate}");
         }

@@ -4,8 +4,6 @@
 
 use std::f64::consts::TAU;
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
@@ -13,8 +11,7 @@ use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::{Nearest, Planar, Shape, roots};
 
 /// A disc or sphere as a wall.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct Ball<V: Space = Plane> {
     /// Centre, m.
     pub centre: V,

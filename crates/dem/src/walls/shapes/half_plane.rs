@@ -1,15 +1,12 @@
 //! Half-plane; in solid space a half-space. It is solid behind its surface, at any depth.
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Planar, Shape};
 
 /// Solid behind a line, or in solid space behind a plane.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct HalfPlane<V: Space = Plane> {
     /// A point of the surface, m.
     pub point: V,

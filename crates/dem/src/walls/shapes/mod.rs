@@ -13,6 +13,8 @@ pub mod segment;
 pub mod spherical_zone;
 pub mod triangle;
 pub mod trimmed;
+pub mod whole;
+mod zero;
 
 use crate::space::{COINCIDENT, PARTED, Space};
 use crate::walls::drawing::{Detail, Drawing};

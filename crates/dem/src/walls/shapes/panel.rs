@@ -1,7 +1,5 @@
 //! Panel: a thin rectangle of solid space.
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Linear, Plane, Space};
 use crate::walls::area::clipped_area;
 use crate::walls::drawing::{Detail, Drawing};
@@ -9,8 +7,7 @@ use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_along, is_end};
 
 /// A thin rectangle.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct Panel<V: Space = Plane> {
     /// One corner, m.
     pub corner: V,

@@ -2,14 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
 
 /// A circular or rectangular prism of solid space.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct Prism<V: Space = Plane> {
     is_round: bool,
     /// Centre of the circle or rectangle, m.
@@ -20,6 +17,23 @@ pub struct Prism<V: Space = Plane> {
     across: V,
     /// Unit vector along which the circle or rectangle is extruded.
     pub direction: V,
+}
+
+/// A point of a curve.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CurvePoint<V: Space> {
+    /// The point, m.
+    pub point: V,
+    /// Its derivative with respect to the share of the side that lies before it, m.
+    pub slope: V,
+}
+
+/// A flat side of a prism.
+pub(super) struct FlatSide<V> {
+    /// The corner from which the side starts, m.
+    pub corner: V,
+    /// Vector to the outside, of any length.
+    pub outwards: V,
 }
 
 impl<V: Space> Prism<V> {
@@ -76,12 +90,12 @@ impl<V: Space> Prism<V> {
         if self.is_round { 1 } else { 4 }
     }
 
-    /// Returns the point at this share (0 to 1) of a side, and its derivative with respect to the share, m.
-    pub(super) fn on_side(&self, side: u32, share: f64) -> (V, V) {
+    /// Returns the point at this share (0 to 1) of a side.
+    pub(super) fn on_side(&self, side: u32, share: f64) -> CurvePoint<V> {
         let Self { centre, along, across, .. } = *self;
         if self.is_round {
             let (y, x) = (TAU * share).sin_cos();
-            return (centre + along * x + across * y, (across * x - along * y) * TAU);
+            return CurvePoint { point: centre + along * x + across * y, slope: (across * x - along * y) * TAU };
         }
         let (out, on) = match side {
             0 => (along, across),
@@ -89,19 +103,22 @@ impl<V: Space> Prism<V> {
             2 => (-along, -across),
             _ => (-across, along),
         };
-        (centre + out + on * (2.0 * share - 1.0), on * 2.0)
+        CurvePoint { point: centre + out + on * (2.0 * share - 1.0), slope: on * 2.0 }
     }
 
-    /// Returns the corners of the rectangle, or `round` corners on the circle, m, and for each the vector to the outside of the side
-    /// that follows.
-    pub(super) fn corners(&self, round: u32) -> Vec<(V, V)> {
+    /// Returns the sides of the rectangle, or of a polygon with `round` corners on the circle.
+    pub(super) fn flat_sides(&self, round: u32) -> Vec<FlatSide<V>> {
         let places = if self.is_round { round } else { 4 };
         let point = |n: u32| {
             let n = n % places;
-            if self.is_round { self.on_side(0, f64::from(n) / f64::from(round)).0 } else { self.on_side(n, 0.0).0 }
+            if self.is_round {
+                self.on_side(0, f64::from(n) / f64::from(round)).point
+            } else {
+                self.on_side(n, 0.0).point
+            }
         };
         let outwards = |from: V, to: V| V::narrow((to - from).spread().cross(self.turning_axis().spread()));
-        (0..places).map(|n| (point(n), outwards(point(n), point(n + 1)))).collect()
+        (0..places).map(|n| FlatSide { corner: point(n), outwards: outwards(point(n), point(n + 1)) }).collect()
     }
 
     /// Returns the axis about which the sides follow each other by the right-hand rule: `direction`, or its opposite.
@@ -128,8 +145,8 @@ mod tests {
             for side in 0..prism.sides() {
                 for n in 0..40 {
                     let share = f64::from(n) / 40.0;
-                    let (point, slope) = prism.on_side(side, share);
-                    let (next, _) = prism.on_side(side, share + 1e-6);
+                    let CurvePoint { point, slope } = prism.on_side(side, share);
+                    let next = prism.on_side(side, share + 1e-6).point;
                     assert!(((next - point) / 1e-6 - slope).length() < 1e-4 * slope.length());
                     let out = point - prism.centre;
                     let on_axis = prism.direction * 7.0;
@@ -137,7 +154,7 @@ mod tests {
                     assert!(!prism.contains(prism.centre + out * 1.001 + on_axis));
                     // A polygon of many corners is the circle but for 1 - cos(pi/360) = 4e-5.
                     let outside =
-                        |x: Solid| prism.corners(360).iter().any(|(corner, out)| (x - *corner).dot(*out) > 0.0);
+                        |x: Solid| prism.flat_sides(360).iter().any(|side| (x - side.corner).dot(side.outwards) > 0.0);
                     assert!(!outside(prism.centre + out * 0.999) && outside(prism.centre + out * 1.001));
                 }
             }

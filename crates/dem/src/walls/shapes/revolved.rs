@@ -11,8 +11,6 @@
 
 use std::f64::consts::PI;
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Plane, Space};
 use crate::walls::area::strips_area;
 use crate::walls::drawing::{Detail, Drawing};
@@ -21,8 +19,7 @@ use crate::walls::shapes::revolution::Axis;
 use crate::walls::shapes::{Nearest, Shape, is_along, is_end, parted, path_shares, roots};
 
 /// A thin surface of revolution in solid space.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct Revolved<V: Space = Plane> {
     /// A point of the axis, at z = 0, m.
     pub base: V,
@@ -32,6 +29,14 @@ pub struct Revolved<V: Space = Plane> {
     pub from: [f64; 2],
     /// The other end, (r_1, z_1), m.
     pub to: [f64; 2],
+}
+
+/// A place where a line leaves a surface.
+pub(super) struct Exit<V> {
+    /// The place, m.
+    pub point: V,
+    /// An outward normal there, of any length.
+    pub normal: V,
 }
 
 impl<V: Space> Revolved<V> {
@@ -90,13 +95,12 @@ impl<V: Space> Revolved<V> {
         (aside * normal_r + self.axis * normal_z) * 1f64.copysign(normal_r)
     }
 
-    /// Returns where a line through `x` along a vector leaves the surface without its ends, m, and an outward normal there of any
-    /// length.
-    pub(super) fn exit(&self, x: V, along: V) -> Option<(V, V)> {
+    /// Returns where a line through `x` along a vector leaves the surface without its ends.
+    pub(super) fn exit(&self, x: V, along: V) -> Option<Exit<V>> {
         let (z, _) = self.coordinates(x);
         if self.is_flat() {
             let way = (self.from[1] - z) / along.dot(self.axis);
-            return way.is_finite().then(|| (x + along * way, self.axis * along.dot(self.axis)));
+            return way.is_finite().then(|| Exit { point: x + along * way, normal: self.axis * along.dot(self.axis) });
         }
         let [a, half_b, c] = self.cone_terms(x, along);
         let slope = self.slope();
@@ -106,7 +110,7 @@ impl<V: Space> Revolved<V> {
             let width = self.from[0] + slope * (z - self.from[1]);
             // The quadratic form is negative inside the cone and its mirror image, where the width is negative.
             let leads_out = way.is_finite() && a * way + half_b > 0.0 && width >= 0.0;
-            leads_out.then(|| (point, radial - self.axis * (slope * width)))
+            leads_out.then(|| Exit { point, normal: radial - self.axis * (slope * width) })
         })
     }
 

@@ -1,7 +1,5 @@
 //! Segment: a thin line between two points; in solid space a thin rod.
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Dimension, Linear, Plane, Space};
 use crate::walls::area::share_between;
 use crate::walls::drawing::{Detail, Drawing};
@@ -9,8 +7,7 @@ use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Planar, Shape, box_around, foot_share, is_along, is_end};
 
 /// A thin line between two points.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct Segment<V: Space = Plane> {
     /// One end, m.
     pub from: V,

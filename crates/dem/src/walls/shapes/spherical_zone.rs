@@ -9,8 +9,6 @@
 
 use std::f64::consts::{PI, TAU};
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Plane, Space};
 use crate::walls::area::strips_area;
 use crate::walls::drawing::{Detail, Drawing};
@@ -22,8 +20,7 @@ use crate::walls::shapes::{Nearest, Shape, parted, path_shares};
 const PIECES: u32 = 180;
 
 /// A thin spherical zone in solid space.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct SphericalZone<V: Space = Plane> {
     /// Centre of the sphere, m.
     pub centre: V,

@@ -3,8 +3,6 @@
 //! The nearest point is found region by region: at a corner, on an edge or in the face (C. Ericson, Real-Time Collision
 //! Detection, 2005, section 5.1.5).
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Linear, Plane, Space};
 use crate::walls::area::clipped_area;
 use crate::walls::drawing::{Detail, Drawing};
@@ -12,8 +10,7 @@ use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, box_around};
 
 /// A thin triangle.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug)]
 pub struct Triangle<V: Space = Plane>(pub [V; 3]);
 
 impl<V: Space> Triangle<V> {

@@ -12,16 +12,15 @@
 
 use std::f64::consts::PI;
 
-use serde::{Deserialize, Serialize};
-
 use crate::space::{Linear, Plane, Space};
 use crate::walls::area::clipped_area;
 use crate::walls::clip::{clip, share_edges};
 use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::panel::Panel;
-use crate::walls::shapes::prism::Prism;
-use crate::walls::shapes::revolved::Revolved;
+use crate::walls::shapes::prism::{CurvePoint, FlatSide, Prism};
+use crate::walls::shapes::revolved::Exit;
+use crate::walls::shapes::whole::Whole;
+use crate::walls::shapes::zero::{Value, zero_between};
 use crate::walls::shapes::{Nearest, Shape, box_around, parted};
 
 /// Number of places of the rim between which minima of the distance are searched.
@@ -36,70 +35,6 @@ const AREA_PIECES: u32 = 240;
 /// Least cosine of the angle between the normal of the surface and the direction of the prism.
 const OBLIQUE: f64 = 0.1;
 
-/// The surface that is trimmed.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
-pub enum Whole<V: Space = Plane> {
-    /// A rectangle.
-    Panel(Panel<V>),
-    /// A cylinder, cone, frustum or ring.
-    Revolved(Revolved<V>),
-}
-
-impl<V: Space> Whole<V> {
-    fn shape(&self) -> &dyn Shape<V> {
-        match self {
-            Self::Panel(shape) => shape,
-            Self::Revolved(shape) => shape,
-        }
-    }
-
-    /// Returns the unit normal of the surface beside a point: away from the axis, or of a flat surface to one side. For a point on
-    /// the axis it is the part along the axis.
-    pub(crate) fn outwards(&self, x: V) -> V {
-        match self {
-            Self::Panel(panel) => panel.normal(),
-            Self::Revolved(shape) => shape.outwards(x),
-        }
-    }
-
-    /// Returns the point of the surface that is nearest to `x`, m, and whether it is on an edge.
-    pub(crate) fn foot(&self, x: V) -> (V, bool) {
-        match self.shape().nearest(x) {
-            Nearest::Point { away, at_edge, .. } => (x - away, at_edge),
-            Nearest::OfSolid { normal, distance, .. } => (x - normal * distance, false),
-        }
-    }
-
-    /// Returns where a line through `x` along a vector leaves the surface, m, and an outward normal there of any length.
-    fn exit(&self, x: V, along: V) -> Option<(V, V)> {
-        match self {
-            Self::Panel(panel) => {
-                let normal = panel.normal();
-                let way = (panel.corner - x).dot(normal) / along.dot(normal);
-                way.is_finite().then(|| (x + along * way, normal))
-            }
-            Self::Revolved(shape) => shape.exit(x, along),
-        }
-    }
-
-    /// Returns the largest distance from an axis, m; 0 of a panel.
-    fn largest_radius(&self) -> f64 {
-        match self {
-            Self::Panel(_) => 0.0,
-            Self::Revolved(shape) => shape.from[0].max(shape.to[0]),
-        }
-    }
-
-    /// Returns flat pieces of the surface, with `around` of them about an axis.
-    fn facets(&self, around: u32) -> Vec<[V; 4]> {
-        match self {
-            Self::Panel(panel) => vec![panel.corners()],
-            Self::Revolved(shape) => (0..around).map(|n| shape.facet(n, around)).collect(),
-        }
-    }
-}
-
 /// Where the rim of a cut is not on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RimFault<V> {
@@ -110,16 +45,15 @@ pub enum RimFault<V> {
 }
 
 /// A part of a surface.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug)]
 pub struct Trimmed<V: Space = Plane> {
     /// The whole surface.
     pub whole: Whole<V>,
     prism: Prism<V>,
     /// Whether the part inside the prism is left, or the part outside.
     is_patch: bool,
-    /// Places of the rim, side by side, each with both ends: points, and their derivatives with respect to the share of the side, m.
-    samples: Vec<(V, V)>,
+    /// Places of the rim, side by side, each side with both ends.
+    samples: Vec<CurvePoint<V>>,
 }
 
 impl<V: Space> Trimmed<V> {
@@ -151,32 +85,34 @@ impl<V: Space> Trimmed<V> {
         (self.prism.contains(x) && self.whole.outwards(x).dot(self.prism.direction) > 0.0) == self.is_patch
     }
 
-    /// Returns the point at this share (0 to 1) of a side of the rim, and its derivative with respect to the share, m.
-    fn on_rim(&self, side: u32, share: f64) -> Option<(V, V)> {
-        let (start, slope) = self.prism.on_side(side, share);
+    /// Returns the point at this share (0 to 1) of a side of the rim.
+    fn on_rim(&self, side: u32, share: f64) -> Option<CurvePoint<V>> {
+        let CurvePoint { point: start, slope } = self.prism.on_side(side, share);
         let direction = self.prism.direction;
-        let (point, normal) = self.whole.exit(start, direction)?;
-        Some((point, slope - direction * (normal.dot(slope) / normal.dot(direction))))
+        let Exit { point, normal } = self.whole.exit(start, direction)?;
+        Some(CurvePoint { point, slope: slope - direction * (normal.dot(slope) / normal.dot(direction)) })
     }
 
     /// Returns the point of the rim that is nearest to `x`, m.
     fn nearest_on_rim(&self, x: V) -> Option<V> {
         let samples = self.samples_of_a_side();
-        let slope = |(point, slope): (V, V)| (point - x).dot(slope);
+        let slope = |at: CurvePoint<V>| (at.point - x).dot(at.slope);
         let nearer = |a: &V, b: &V| a.distance_squared(x).total_cmp(&b.distance_squared(x));
         // The way along the rim between two samples is at most a tenth longer than the straight one, and no point of it is nearer than this.
         let bound = |a: V, b: V| 0.5 * (a.distance(x) + b.distance(x) - 1.1 * a.distance(b));
-        let mut nearest = self.samples.iter().map(|(point, _)| *point).min_by(nearer)?;
+        let mut nearest = self.samples.iter().map(|sample| sample.point).min_by(nearer)?;
         for (side, places) in (0..).zip(self.samples.chunks_exact(samples as usize + 1)) {
             for (n, ends) in (0..samples).zip(places.windows(2)) {
                 let [before, after] = [ends[0], ends[1]].map(slope);
-                if !(before < 0.0 && after > 0.0) || bound(ends[0].0, ends[1].0) > nearest.distance(x) {
+                if !(before < 0.0 && after > 0.0) || bound(ends[0].point, ends[1].point) > nearest.distance(x) {
                     continue;
                 }
                 let share = |n: u32| f64::from(n) / f64::from(samples);
                 let slope_at = |share| self.on_rim(side, share).map_or(0.0, slope);
-                let least = zero_between(slope_at, [(share(n), before), (share(n + 1), after)]);
-                let point = self.on_rim(side, least).map(|(point, _)| point);
+                let before = Value { place: share(n), value: before };
+                let after = Value { place: share(n + 1), value: after };
+                let least = zero_between(slope_at, before, after);
+                let point = self.on_rim(side, least).map(|found| found.point);
                 nearest = point.filter(|point| nearer(point, &nearest).is_lt()).unwrap_or(nearest);
             }
         }
@@ -187,8 +123,8 @@ impl<V: Space> Trimmed<V> {
     pub fn rim_fault(&self) -> Option<RimFault<V>> {
         let mut places = (0..self.prism.sides()).flat_map(|side| (0..SAMPLES).map(move |n| (side, n)));
         places.find_map(|(side, n)| {
-            let (start, _) = self.prism.on_side(side, f64::from(n) / f64::from(SAMPLES));
-            let Some((point, _)) = self.whole.exit(start, self.prism.direction) else {
+            let start = self.prism.on_side(side, f64::from(n) / f64::from(SAMPLES)).point;
+            let Some(Exit { point, .. }) = self.whole.exit(start, self.prism.direction) else {
                 return Some(RimFault::OffTheSurface(start));
             };
             if self.whole.outwards(point).dot(self.prism.direction) < OBLIQUE {
@@ -203,12 +139,12 @@ impl<V: Space> Trimmed<V> {
     /// Returns the part that is left as flat convex polygons, m. A surface of revolution is made of `around` flat pieces, and a circle
     /// is a polygon of as many sides.
     pub fn pieces(&self, around: u32) -> Vec<Vec<V>> {
-        let sides = self.prism.corners(around);
+        let sides = self.prism.flat_sides(around);
         let mut pieces = Vec::new();
         for facet in self.whole.facets(around) {
             let [a, _, c, _] = facet;
             let is_cut = self.whole.outwards((a + c) * 0.5).dot(self.prism.direction) > 0.0;
-            let inside = |kept: Vec<V>, &(corner, out): &(V, V)| clip(&kept, |x| (corner - x).dot(out));
+            let inside = |kept: Vec<V>, side: &FlatSide<V>| clip(&kept, |x| (side.corner - x).dot(side.outwards));
             let within = if is_cut { sides.iter().fold(facet.to_vec(), inside) } else { Vec::new() };
             if self.is_patch {
                 pieces.push(within);
@@ -217,7 +153,7 @@ impl<V: Space> Trimmed<V> {
             } else {
                 // The part outside of each side, and inside of the sides before.
                 sides.iter().fold(facet.to_vec(), |kept, side| {
-                    pieces.push(clip(&kept, |x| (x - side.0).dot(side.1)));
+                    pieces.push(clip(&kept, |x| (x - side.corner).dot(side.outwards)));
                     inside(kept, side)
                 });
             }
@@ -225,32 +161,6 @@ impl<V: Space> Trimmed<V> {
         pieces.retain(|piece| piece.len() > 2);
         pieces
     }
-}
-
-/// Returns where a function has a zero, between a place where it is negative and one where it is positive, to rounding: by the
-/// Illinois form of the rule of false position.
-fn zero_between(value: impl Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2]) -> f64 {
-    let mut last_side = 0.0;
-    // Some ten steps are enough; halving alone would need 53.
-    for _ in 0..80 {
-        let place = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-        if place <= low.0 || place >= high.0 {
-            break;
-        }
-        let found = value(place);
-        if found == 0.0 {
-            return place;
-        }
-        if found < 0.0 {
-            low = (place, found);
-            high.1 *= if last_side < 0.0 { 0.5 } else { 1.0 };
-        } else {
-            high = (place, found);
-            low.1 *= if last_side > 0.0 { 0.5 } else { 1.0 };
-        }
-        last_side = found;
-    }
-    if -low.1 < high.1 { low.0 } else { high.0 }
 }
 
 impl<V: Space> Shape<V> for Trimmed<V> {
@@ -284,12 +194,16 @@ impl<V: Space> Shape<V> for Trimmed<V> {
     }
 
     fn placed(&self, pose: &Pose<V>) -> Self {
-        let whole = match self.whole {
-            Whole::Panel(shape) => Whole::Panel(shape.placed(pose)),
-            Whole::Revolved(shape) => Whole::Revolved(shape.placed(pose)),
+        let placed = |&CurvePoint { point, slope }: &CurvePoint<V>| CurvePoint {
+            point: pose.point(point),
+            slope: pose.direction(slope),
         };
-        let samples = self.samples.iter().map(|(point, slope)| (pose.point(*point), pose.direction(*slope)));
-        Self { whole, prism: self.prism.placed(pose), is_patch: self.is_patch, samples: samples.collect() }
+        Self {
+            whole: self.whole.placed(pose),
+            prism: self.prism.placed(pose),
+            is_patch: self.is_patch,
+            samples: self.samples.iter().map(placed).collect(),
+        }
     }
 
     fn reference(&self) -> V {
@@ -317,6 +231,8 @@ mod tests {
     use super::*;
     use crate::space::Solid;
     use crate::walls::clip::area;
+    use crate::walls::shapes::panel::Panel;
+    use crate::walls::shapes::revolved::Revolved;
 
     fn cylinder() -> Whole<Solid> {
         Whole::Revolved(Revolved::between(Solid::new(0.0, 0.0, -1.0), Solid::Z, [0.5, 0.5]))
