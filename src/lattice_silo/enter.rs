@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::grains::spawner::Pending;
 use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::step::LatticeStage;
 use siloflow_dem::space::Plane;
-use siloflow_dem::step::{Clock, Phase, Step, time_moves};
+use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::values::{FiniteVector, Positive, Share};
 use siloflow_lattice::draws::{Chance, Purpose, Streams};
 use siloflow_lattice::gas::Gas;
@@ -88,7 +89,7 @@ fn pour(
     mut gas: ResMut<Gas>,
     mut pending: ResMut<Pending>,
 ) {
-    // Phase::Spawn comes before the clock advances to this step.
+    // Particles enter before the clock advances to this step.
     let streams = Streams::new(odds.seed, clock.steps + 1, Purpose::Enter, 0);
     let is_free = |&site: &usize| gas.states()[site] & 1 << DOWN == 0;
     let gets_one = |&site: &usize| source.chance.happens(streams.of(site).high(0));
@@ -137,6 +138,6 @@ impl Plugin for PourPlugin {
         let (sites, chance, target) = self.source.clone();
         app.insert_resource(Pending(u32::try_from(target).unwrap_or(u32::MAX)))
             .insert_resource(PourSource { sites, chance, target })
-            .add_systems(Step, pour.in_set(Phase::Spawn).run_if(particles_are_pending).run_if(time_moves));
+            .add_systems(Step, pour.in_set(LatticeStage::Enter).run_if(particles_are_pending));
     }
 }

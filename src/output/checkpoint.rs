@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 
 use self::file::{FORMAT, Header};
-use crate::ending::StopRequest;
+use crate::ending::request::StopRequest;
 use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::run_directory::{
     RunDirectory, checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints,

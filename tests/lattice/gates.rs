@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use siloflow::studies::study::claims::{CLAIMS, Verdict};
-use siloflow::studies::study::plan::Plan;
+use siloflow::studies::study::plan::StudyPlan;
 use siloflow::studies::study::replica::Replica;
 use siloflow::studies::study::results::Results;
 
@@ -16,7 +16,7 @@ const FAILS: [(&str, &str); 1] = [("mass flow", "hz(p = 0) > 1.100 hz(p = 0.8)")
 #[test]
 fn claims_decided_by_one_seed_have_their_expected_verdict() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/studies/lattice-gas.ron");
-    let (plan, cases) = Plan::read(&path).unwrap();
+    let (plan, cases) = StudyPlan::read(&path).unwrap();
     let first = plan.seeds[0];
     let cases: Vec<_> = cases.into_iter().filter(|case| case.seed == first).collect();
     let replicas = cases.into_par_iter().with_max_len(1).map(|case| Replica::run(case, &[]).unwrap());

@@ -1,6 +1,6 @@
 //! Warnings about contacts so soft that bodies overlap too much.
 
-use crate::ending::watchdog::LARGE_OVERLAP;
+use crate::ending::watchdog::overlap::LARGE_OVERLAP;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::walls::outline::Outline;

@@ -8,7 +8,7 @@ mod stability;
 
 use rustc_hash::FxHashMap;
 
-use crate::ending::watchdog::LARGE_OVERLAP;
+use crate::ending::watchdog::overlap::LARGE_OVERLAP;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs;
 use crate::scene::loaded::Loaded;

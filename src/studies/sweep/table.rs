@@ -10,7 +10,7 @@ use crate::studies::sweep::{Sweep, Task, figures};
 
 /// A run as the tables need it.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct RunRow {
     /// The run.
     pub task: Task,
     /// Status; `missing` without an end.
@@ -21,7 +21,7 @@ pub struct Row {
     pub figures: Vec<Option<String>>,
 }
 
-impl Row {
+impl RunRow {
     /// Returns the row of a run; without a summary the run is missing.
     #[must_use]
     pub fn of(sweep: &Sweep, task: Task, summary: Option<&Value>) -> Self {
@@ -49,7 +49,7 @@ impl Row {
 
 /// The mean of a figure at a point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
+pub struct PointMean {
     /// Index of the point.
     pub point: usize,
     /// Index of the figure.
@@ -64,7 +64,7 @@ pub struct Cell {
 
 /// Returns the means of all figures at all points.
 #[must_use]
-pub fn cells(sweep: &Sweep, rows: &[Row]) -> Vec<Cell> {
+pub fn cells(sweep: &Sweep, rows: &[RunRow]) -> Vec<PointMean> {
     let mut all = Vec::new();
     for point in 0..sweep.points.len() {
         for figure in 0..sweep.plan.figures.len() {
@@ -72,7 +72,7 @@ pub fn cells(sweep: &Sweep, rows: &[Row]) -> Vec<Cell> {
             let values: Vec<f64> = runs.filter_map(|row| row.figures[figure].as_ref()?.parse().ok()).collect();
             let mean = Mean::of(&values);
             let error = mean.filter(|_| values.len() > 1).map(|mean| mean.error);
-            all.push(Cell { point, figure, mean: mean.map(|mean| mean.value), error, count: values.len() });
+            all.push(PointMean { point, figure, mean: mean.map(|mean| mean.value), error, count: values.len() });
         }
     }
     all
@@ -80,7 +80,7 @@ pub fn cells(sweep: &Sweep, rows: &[Row]) -> Vec<Cell> {
 
 /// Returns `results.csv`.
 #[must_use]
-pub fn results(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
+pub fn results(sweep: &Sweep, rows: &[RunRow]) -> Vec<u8> {
     let start = ["run", "point", "seed"].map(str::to_owned).into_iter().chain(sweep.keys.iter().cloned());
     let header = start.chain(["status", "failure"].map(str::to_owned)).chain(sweep.plan.figures.iter().cloned());
     let rows = rows.iter().map(|row| {
@@ -95,7 +95,7 @@ pub fn results(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
 
 /// Returns `table.csv`.
 #[must_use]
-pub fn table(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
+pub fn table(sweep: &Sweep, rows: &[RunRow]) -> Vec<u8> {
     let start = ["point".to_owned()].into_iter().chain(sweep.keys.iter().cloned());
     let header = start
         .chain(["figure", "mean", "standard_error", "n", "clogged", "failed", "missing"].map(str::to_owned))

@@ -2,7 +2,7 @@
 
 use crate::statistics::fit::{Law, best_line};
 use crate::statistics::mean::Mean;
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use siloflow_text::fault::Fault;
 
 /// Mean diameter of the spheres (m), and gravity (m/s^2).
@@ -60,7 +60,7 @@ impl Layer {
     }
 
     /// Reads the layers of the second half of a run's windows.
-    pub(super) fn all(run: &Run) -> Result<Vec<Self>, Fault> {
+    pub(super) fn all(run: &FinishedRun) -> Result<Vec<Self>, Fault> {
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();
         let from = column("from_s");

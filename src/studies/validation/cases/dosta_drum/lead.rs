@@ -5,7 +5,7 @@
 
 use crate::statistics::mean::mean;
 use crate::statistics::points::interpolated;
-use crate::studies::validation::verdict::{Judgement, Row};
+use crate::studies::validation::verdict::{FigureRow, Judgement};
 
 /// A material in a zone.
 pub(super) struct Zone {
@@ -41,9 +41,9 @@ pub(super) fn rows(zones: &[Zone], words: &str, judgement: &mut Judgement) {
     let best = shifts().min_by(|a, b| deviation(zones, *a).total_cmp(&deviation(zones, *b))).unwrap_or(0.0);
     let name = |what: &str| format!("{words}, 0.3 to {END} s: {what}");
     judgement.rows.extend([
-        Row::new(name("rms deviation of all four counts"), "% of the grains", 100.0 * deviation(zones, 0.0)),
-        Row::new(name("lead over both codes"), "s", best),
-        Row::new(name("the deviation moved by this lead"), "% of the grains", 100.0 * deviation(zones, best)),
+        FigureRow::new(name("rms deviation of all four counts"), "% of the grains", 100.0 * deviation(zones, 0.0)),
+        FigureRow::new(name("lead over both codes"), "s", best),
+        FigureRow::new(name("the deviation moved by this lead"), "% of the grains", 100.0 * deviation(zones, best)),
     ]);
 }
 
