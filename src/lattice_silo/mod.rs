@@ -26,6 +26,7 @@ pub mod enter;
 pub(crate) mod flow;
 pub(crate) mod limits;
 pub mod load;
+pub mod loaded;
 pub mod observables;
 pub mod pictures;
 pub(crate) mod plugins;

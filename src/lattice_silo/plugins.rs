@@ -12,8 +12,8 @@ use siloflow_lattice::trickle::trickle;
 use crate::assembly::Assembly;
 use crate::lattice_silo::door::DoorPlugin;
 use crate::lattice_silo::ending::{DischargePlugin, EndingPlugin};
-use crate::lattice_silo::enter::{PourPlugin, enter};
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::enter::{PourPlugin, Start, enter};
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::lattice_silo::rest::RestPlugin;
 use crate::lattice_silo::step::{LatticeStage, LatticeStagesPlugin};
 use crate::measure::ObservePlugin;
@@ -35,7 +35,7 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
     let scene = &loaded.scene;
     let sites = &loaded.sites;
     let mut gas = Gas::new(sites);
-    enter(loaded, sites, &mut gas);
+    enter(&Start { particles: &scene.particles, fill: scene.fill, seed: scene.seed }, sites, &mut gas);
     // Time is counted in steps of the automaton.
     app.add("step", StepPlugin { dt: 1.0 })
         .add("always", LatticeStagesPlugin)

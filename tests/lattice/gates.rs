@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use siloflow::studies::study::claims::{CLAIMS, Verdict};
+use siloflow::studies::study::claims::{CLAIMS, ClaimVerdict};
 use siloflow::studies::study::plan::StudyPlan;
 use siloflow::studies::study::replica::Replica;
 use siloflow::studies::study::results::Results;
@@ -27,7 +27,7 @@ fn claims_decided_by_one_seed_have_their_expected_verdict() {
             for statement in &claim.statements[..claim.firm] {
                 let found = statement.judge(&results, silo);
                 let fails = FAILS.contains(&(silo.as_str(), found.statement.as_str()));
-                let expected = if fails { Verdict::Fails } else { Verdict::Holds };
+                let expected = if fails { ClaimVerdict::Fails } else { ClaimVerdict::Holds };
                 assert_eq!(found.verdict, expected, "{silo}, {}: {}: {}", claim.text, found.statement, found.figures);
                 judged += 1;
             }

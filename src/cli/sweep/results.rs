@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::cli::exit_status::ExitStatus;
-use crate::cli::sweep::foreign;
 use crate::cli::sweep::runs::Failure;
 use crate::cli::{picture_files, say, show};
 use crate::statistics::digits::short;
@@ -38,7 +37,7 @@ fn list_failures(sweep: &Sweep, rows: &[RunRow], failures: &[Failure]) -> bool {
 fn rows(sweep: &Sweep, directory: &SweepDirectory, tasks: &[Task]) -> Result<Vec<RunRow>, Fault> {
     let row = |&task: &Task| match directory.state(sweep, task)? {
         State::Over(summary) => Ok(RunRow::of(sweep, task, Some(&summary))),
-        State::Foreign(key) => Err(foreign(directory, sweep, task, &key)),
+        State::Foreign(key) => Err(directory.refuse(sweep, task, &key)),
         _ => Ok(RunRow::of(sweep, task, None)),
     };
     tasks.iter().map(row).collect()

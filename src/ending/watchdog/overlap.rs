@@ -4,8 +4,8 @@
 //! Contact laws are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3,
 //! plane) on, equal grains in dense order touch their second neighbours through the first. At 1 the centre of a grain
 //! reaches the surface of its partner, a thin wall would push it to the other side, and the direction of the force is
-//! meaningless. The default limit is 1. From 0.3 on the run warns once. (The assignment's silo reaches 0.73, where a
-//! grain falls 4 m.)
+//! meaningless. The default limit is 1. From 0.3 on the run warns once. (The silo of the course assignment, scene
+//! `silo1`, reaches 0.73, where a grain falls 4 m; `docs/assignment.md` describes the assignment.)
 
 use serde::{Deserialize, Serialize};
 

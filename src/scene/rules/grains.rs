@@ -7,7 +7,7 @@ use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
 use crate::scene::expected::BYTES_PER_GRAIN;
 use crate::scene::loaded::Loaded;
-use crate::scene::rules::is_box;
+use crate::scene::rules::directions::is_box;
 use crate::writers::memory::available_memory;
 use siloflow_dem::particle::GrainId;
 use siloflow_text::fault::Fault;

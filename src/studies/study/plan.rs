@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::lattice_silo::door::DoorOpens;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::lattice_silo::scene::LatticeScene;
 use siloflow_lattice::rules::Walls;
 use siloflow_text::fault::Fault;

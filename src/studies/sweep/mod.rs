@@ -37,9 +37,6 @@ use crate::studies::sweep::plan::SweepPlan;
 use siloflow_text::fault::{Fault, Warning};
 use siloflow_text::source::Source;
 
-/// Most runs of a sweep.
-pub const MOST_RUNS: usize = 100_000;
-
 /// A sweep file that has been read, with its points.
 #[derive(Debug)]
 pub struct Sweep {

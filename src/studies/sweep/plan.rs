@@ -11,10 +11,12 @@ use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::statistics::fit::Law;
-use crate::studies::sweep::MOST_RUNS;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 use siloflow_text::source::Source;
+
+/// Most runs of a sweep.
+pub const MOST_RUNS: usize = 100_000;
 
 /// The keys of a sweep file.
 #[derive(Clone, Debug, Deserialize)]
