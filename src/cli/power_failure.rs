@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 use crate::behaviour::{Behaviour, Registry};
 use crate::cli::run::{resume, run_scene};
-use crate::cli::run_path::{RunOptions, RunResult};
+use crate::cli::run_path::runnable::{RunOptions, RunResult};
 use crate::cli::signals::Signals;
 use crate::measure::outputs::OutputApp as _;
 use crate::output::run_directory::RunPath;

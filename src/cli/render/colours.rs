@@ -3,7 +3,7 @@
 //! The ends of a scale are those of the command line, else those of the scene if it has the same colour, else those that a behaviour
 //! suggests for its column, else those of the frames that are drawn.
 
-use super::options::ColourOption;
+use super::args::ColourOption;
 use super::selection::round_up;
 use crate::output::frame_data::Header;
 use crate::scene::outputs::Colour;

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use super::RenderArgs;
+use super::args::RenderArgs;
 use super::colours::wanted;
 use super::options;
 use super::selection::FrameIndex;

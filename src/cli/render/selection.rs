@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use super::RenderArgs;
+use super::args::RenderArgs;
 use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures::style::speeds;

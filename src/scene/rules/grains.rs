@@ -77,6 +77,7 @@ fn placement(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
 fn memory(loaded: &Loaded, grains: usize) -> Result<(), Fault> {
     #[expect(clippy::cast_precision_loss, reason = "a number of grains and of bytes")]
     let needed = grains as f64 * BYTES_PER_GRAIN;
+    #[expect(clippy::cast_precision_loss, reason = "a rounded result suffices")]
     let available = available_memory().map_or(f64::INFINITY, |bytes| bytes as f64);
     if needed <= available {
         return Ok(());
