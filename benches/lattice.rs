@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 
 const STEPS: u64 = 50;

@@ -127,7 +127,7 @@ use bevy_app::App;
 use ron::value::RawValue;
 use serde::de::DeserializeOwned;
 
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Dimension;
 use siloflow_text::fault::Fault;

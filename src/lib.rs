@@ -10,6 +10,8 @@
 //!   of slots, with candidate pairs from a search in [`neighbours`].
 //! * The lattice gas runs in the same phases, with its own systems and without particles: [`lattice`].
 //! * [`behaviour`] explains how another crate adds behaviours.
+//! * *The assignment*, in this documentation, is the course assignment that siloflow answers: the grain silo of
+//!   J. J. C. Remmers (2009). `docs/assignment.md` describes it.
 //! * [`divergence`] finds the first difference between two runs: step, grain and quantity.
 //!
 //! ```

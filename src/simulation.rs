@@ -18,7 +18,7 @@ use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
 use crate::behaviour::Registry;
 use crate::lattice_silo;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::output::checkpoint::Checkpoints;
 use crate::output::cost::RunCost;
 use crate::output::frame_recording::writer::FrameWriter;

@@ -10,7 +10,7 @@ use crate::cli::exit_status::ExitStatus;
 use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
 use crate::lattice_silo;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::automatic;
 use crate::scene::check::{self, Estimates};

@@ -9,7 +9,7 @@ use clap::Args;
 use crate::behaviour::Registry;
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::run::{default_directory, run_scene};
-use crate::cli::run_path::RunOptions;
+use crate::cli::run_path::runnable::RunOptions;
 use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, check_results, picture_files, refused, say, write_results};
 use crate::scene::facts;

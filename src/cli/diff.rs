@@ -57,7 +57,7 @@ pub(super) struct DiffArgs {
 
 /// The report that `--json` prints.
 #[derive(Serialize)]
-struct Report {
+struct DiffReport {
     same: bool,
     first: String,
     second: String,
@@ -81,7 +81,7 @@ pub(super) fn diff(args: &DiffArgs, registry: &Registry, quiet: bool) -> Result<
     let divergence = compare(&mut pair, until, quiet);
     let world = pair.runs()[0].world();
     let clock = world.resource::<Clock>();
-    let report = Report {
+    let report = DiffReport {
         same: divergence.is_none(),
         first: args.first.display().to_string(),
         second: args.second.display().to_string(),
@@ -154,7 +154,7 @@ fn compare(pair: &mut Pair, until: f64, quiet: bool) -> Option<Divergence> {
     divergence
 }
 
-fn words(report: &Report) -> String {
+fn words(report: &DiffReport) -> String {
     let mut text = format!("first   {}\nsecond  {}\n", report.first, report.second);
     // Writing to a string cannot fail.
     for Change { key, first, second } in &report.keys {

@@ -10,7 +10,7 @@ use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
 use siloflow_dem::particle::Grain;

@@ -11,7 +11,8 @@ use crate::ledger::Ledger;
 use crate::output::checkpoint::find;
 use crate::output::parent::Parent;
 use crate::output::state_hash;
-use crate::scene::load::{self, StartState};
+use crate::scene::load;
+use crate::scene::load::start_state::{StartState, started_from};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
 use siloflow_dem::contact::AnyLaw;
@@ -74,9 +75,9 @@ impl Origin {
     /// Loads the scene at `path` with the grains and contacts of this state.
     ///
     /// # Errors
-    /// Like [`load::started_from`]; also if another seed would move fixed grains.
+    /// Like [`started_from`]; also if another seed would move fixed grains.
     pub(super) fn load(self, path: &Path, settings: &[(String, String)]) -> Result<Box<Loaded>, Fault> {
-        let loaded = load::started_from(path, settings, self.state, &self.parent.note())?;
+        let loaded = started_from(path, settings, self.state, &self.parent.note())?;
         let random = loaded.scene.fill.iter().position(|fill| fill.fixed && fill.is_random());
         if let Some(number) = random.filter(|_| loaded.scene.seed != self.seed) {
             let message = format!(

@@ -101,7 +101,7 @@ enum Command {
     /// Measure speed against error: every scheme over many time steps, for canonical cases or a scene.
     Accuracy(accuracy::AccuracyArgs),
     /// Turn snapshots (SVG) into PNGs, or draw pictures and movies from the frames of a run.
-    Render(render::RenderArgs),
+    Render(render::args::RenderArgs),
     /// Draw figures of runs: discharge, energies, forces on walls, profiles, fields.
     Plot(plot::PlotArgs),
     /// Write one HTML file about a run, or compare several: players, curves, tables.

@@ -18,7 +18,7 @@ use tempfile::TempDir;
 use crate::behaviour::{Behaviour, Registry};
 use crate::cli::disk_recorder::{Disk, Operation, Tree, make, record, tree};
 use crate::cli::run::{resume, run_scene};
-use crate::cli::run_path::{RunOptions, RunResult};
+use crate::cli::run_path::runnable::{RunOptions, RunResult};
 use crate::cli::signals::Signals;
 use crate::measure::outputs::OutputApp as _;
 use crate::output::run_path::RunPath;

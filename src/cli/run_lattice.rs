@@ -8,11 +8,12 @@ use bevy_ecs::prelude::*;
 use crate::assembly::Assembly;
 use crate::behaviour::Registry;
 use crate::cli::progress::Pace;
-use crate::cli::run_path::{RunOptions, RunnableScene, SummaryWords};
+use crate::cli::run_path::runnable::{RunOptions, RunnableScene};
+use crate::cli::run_path::words::SummaryWords;
 use crate::lattice_silo::check;
 use crate::lattice_silo::flow::FlowOfLattice;
-use crate::lattice_silo::load::LoadedLattice;
-use crate::lattice_silo::pictures::PicturesPlugin;
+use crate::lattice_silo::loaded::LoadedLattice;
+use crate::lattice_silo::pictures::{PictureSettings, PicturesPlugin};
 use crate::lattice_silo::series::SeriesPlugin;
 use crate::lattice_silo::summary::{LatticeResults, site_updates, write_state};
 use crate::output::flow::FlowPlugin;
@@ -50,8 +51,15 @@ impl RunnableScene for LoadedLattice {
             let rows = directory.rows(names::FLOW);
             app.add("flow", FlowPlugin::<FlowOfLattice>::create(flow, &rows).map_err(unwritable)?);
         }
-        if let Some(pictures) = PicturesPlugin::of(self, directory.frames()) {
-            app.add("pictures", pictures);
+        if let Some(pictures) = self.scene.pictures.clone() {
+            let title = if self.scene.title.is_empty() { &self.source.name } else { &self.scene.title };
+            let settings = PictureSettings {
+                pictures,
+                title: title.clone(),
+                view: self.view(),
+                door: self.scene.door.map(|door| (door.from.get(), door.to.get())),
+            };
+            app.add("pictures", PicturesPlugin { settings, directory: directory.frames() });
         }
         Ok(())
     }

@@ -9,109 +9,30 @@
 //!
 //! At a signal the run ends after the step that follows, with `status: "interrupted"`.
 
-use std::fmt::{Display, Write as _};
-use std::io::{self, Write};
-use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+mod finish;
+pub(super) mod runnable;
+pub(super) mod words;
+
+use std::path::Path;
 
 use bevy_ecs::prelude::*;
 
+use self::finish::finish;
+use self::runnable::{RunOptions, RunResult, RunnableScene};
 use crate::assembly::Assembly;
-use crate::behaviour::Registry;
 use crate::cli::exit_status::ExitStatus;
-use crate::cli::progress::{Pace, Progress};
-use crate::cli::show;
-use crate::cli::signals::Signals;
+use crate::cli::progress::Progress;
 use crate::measure::outputs::BehaviourOutputs;
+use crate::output::checkpoint::Checkpoints;
 use crate::output::checkpoint::file::Checkpoint;
-use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::{CostPlugin, RunCost};
-use crate::output::parent::Parent;
 use crate::output::run_path::RunPath;
-use crate::output::summary::{Cost, FileRecord, Results, Summary};
-use crate::simulation::{Additions, Simulation};
-use crate::writers::provenance::Provenance;
+use crate::output::summary::Cost;
+use crate::simulation::Simulation;
 use siloflow_dem::outcome::{End, Failure};
 use siloflow_dem::persist::{CheckpointConfig, Section, UnknownState};
-use siloflow_dem::values::NonNegative;
-use siloflow_files::hashes;
 use siloflow_files::run_directory::RunDirectory;
 use siloflow_text::fault::Fault;
-use siloflow_text::source::Source;
-
-/// Settings of a run that do not change its result.
-pub(super) struct RunOptions<'a> {
-    pub registry: &'a Registry,
-    pub threads: NonZeroUsize,
-    pub quiet: bool,
-    /// Whether an earlier run in the directory is replaced.
-    pub force: bool,
-    pub signals: &'a Signals,
-    /// The run from whose state this run starts.
-    pub parent: Option<Parent>,
-    /// Time between checkpoints, minutes, if the command line gives it.
-    pub checkpoint_every: Option<NonNegative>,
-    /// Whether `report.html` is written at the end.
-    pub report: bool,
-}
-
-/// A loaded scene of one method: the parts of a run in which grains and the lattice gas differ.
-pub(super) trait RunnableScene: Sync {
-    type Results: Results;
-    fn source(&self) -> &Source;
-    /// Logs warnings, and finds all errors of the input.
-    fn check(&self, registry: &Registry) -> Result<(), Fault>;
-    /// Adds the outputs of the scene, with files in `directory`. The world has the columns that behaviours have registered.
-    fn add_outputs(&self, app: &mut Assembly, directory: &RunDirectory, options: &RunOptions) -> Result<(), Fault>;
-    /// Builds the simulation with more plugins. With `saved` it continues that state.
-    fn simulation(
-        &self,
-        options: &RunOptions,
-        more: Additions,
-        saved: Option<(&[Section], UnknownState)>,
-    ) -> Result<Simulation, Fault>;
-    /// Frees the memory of the state at the start, which the world has now.
-    fn forget_start(&mut self);
-    /// The scene key `checkpoint`.
-    fn checkpoint(&self) -> Option<CheckpointConfig>;
-    /// Returns the number of updates after a step, from the number before it.
-    fn updates(&self, world: &World, before: u64) -> u64;
-    /// Returns the line of the progress.
-    fn line(&self, world: &World, pace: Pace) -> String;
-    fn summary(&self, world: &mut World, end: &End, cost: Cost, provenance: Provenance) -> Summary<Self::Results>;
-    /// Adds the results in words, without the scene and the files.
-    fn describe(&self, summary: &Summary<Self::Results>, words: &mut SummaryWords);
-    fn write_state(&self, world: &mut World, file: &mut dyn Write) -> io::Result<()>;
-}
-
-/// A summary in words: lines of a name and a value.
-#[derive(Default)]
-pub(super) struct SummaryWords(String);
-
-impl SummaryWords {
-    pub(super) fn line(&mut self, name: &str, value: impl Display) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(self.0, "{name:<12} {value}");
-    }
-
-    /// Adds a line for each event that happened, with its moment in words.
-    pub(super) fn moments<T: Copy>(&mut self, moments: [(&str, Option<T>); 3], in_words: impl Fn(T) -> String) {
-        for (name, moment) in moments {
-            if let Some(moment) = moment {
-                self.line(name, in_words(moment));
-            }
-        }
-    }
-}
-
-/// The result of a run.
-pub(super) struct RunResult {
-    /// The summary in words.
-    pub words: String,
-    /// The summary as JSON.
-    pub json: String,
-    pub exit_status: ExitStatus,
-}
 
 /// Steps a scene from its start to its end and writes the run directory at `path`. A failure after the start is logged and stands in the
 /// summary.
@@ -217,81 +138,6 @@ fn checkpoint_config(
         "in the plugin that owns it, call `app.persist::<...>()`, `app.persist_component::<...>()` or, for a cache, \
          `app.derived::<...>()`",
     ))
-}
-
-/// Ends a run: writes its state and its summary. The state is that of the end of the last step.
-fn finish<S: RunnableScene>(
-    scene: &S,
-    simulation: &mut Simulation,
-    directory: &RunDirectory,
-    end: &End,
-    cost: Cost,
-    options: &RunOptions,
-) -> RunResult {
-    let world = simulation.own_world();
-    let mut summary = scene.summary(world, end, cost, Provenance::now());
-    if let Err(error) = directory.write_state(|file| scene.write_state(world, file)) {
-        summary.fail(format!("could not write state.csv: {error}"));
-    }
-    if let Err(failure) = checkpoint::close_writers(world) {
-        summary.fail(failure.to_string());
-    }
-    match directory.write_hashes() {
-        Ok(files) => summary.written = FileRecord { damaged: directory.files().damage(), files: Some(files) },
-        Err(error) => summary.fail(format!("could not write hashes.txt: {error}")),
-    }
-    if let Err(error) = directory.write_summary(&summary) {
-        summary.fail(format!("could not write summary.json: {error}"));
-        // The error may be a passing one. If it is not, the error message is all that remains.
-        let _ = directory.write_summary(&summary);
-    }
-    match &summary.head.failure {
-        Some(failure) => tracing::error!("{failure}"),
-        // A run that is killed before this checkpoint is complete can be resumed from an earlier one.
-        None => checkpoint::at_end(world),
-    }
-    let status = match (&summary.head.failure, end, options.signals.received()) {
-        (None, End::Interrupted, Some(signal)) => ExitStatus::Interrupted(signal),
-        _ if summary.is_done() => ExitStatus::Done,
-        _ => ExitStatus::Failed,
-    };
-    let mut words = SummaryWords::default();
-    scene.describe(&summary, &mut words);
-    words.line("written to", directory.path().display());
-    let exit_status = match options.report.then(|| write_report(directory)) {
-        None => status,
-        Some(Ok(path)) => {
-            words.line("report", path.display());
-            status
-        }
-        Some(Err(fault)) => {
-            show(fault);
-            if status == ExitStatus::Done { ExitStatus::Failed } else { status }
-        }
-    };
-    let json = hashes::sealed(serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n");
-    RunResult { words: words.0, json, exit_status }
-}
-
-/// Writes the report of a run that is over, and returns its path.
-#[cfg(feature = "report")]
-fn write_report(directory: &RunDirectory) -> Result<PathBuf, Fault> {
-    use siloflow_files::whole_file;
-    let path = siloflow_files::run_directory::report_of(directory.path());
-    let page = siloflow_results::report::page(&[directory.path()], &crate::scene::facts::read)?;
-    let written =
-        directory.guard()().and_then(|()| whole_file::write_synced(&path, |file| file.write_all(page.as_bytes())));
-    written.map(|()| path.clone()).map_err(|error| {
-        Fault::new("report::write", format!("could not write {}: {error}", path.display()))
-            .help("the run itself is complete; `siloflow report` writes the report later")
-    })
-}
-
-/// A program without the feature `report` writes none.
-#[cfg(not(feature = "report"))]
-fn write_report(_: &RunDirectory) -> Result<PathBuf, Fault> {
-    Err(Fault::new("report::absent", "this program was built without reports")
-        .help("build it with the feature `report`"))
 }
 
 /// The fault of a run that failed before anything was changed.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::{check_results, picture_files, say, say_aside, write_results};
 use crate::studies::study::figures::Flights;
-use crate::studies::study::plan::{Case, Plan};
+use crate::studies::study::plan::{Case, StudyPlan};
 use crate::studies::study::replica::Replica;
 use crate::studies::study::report;
 use crate::studies::study::results::Results;
@@ -35,7 +35,7 @@ pub(super) struct StudyArgs {
 }
 
 pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<ExitStatus, Fault> {
-    let (plan, cases) = Plan::read(&args.study)?;
+    let (plan, cases) = StudyPlan::read(&args.study)?;
     check_results(&args.out)?;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = args.threads.unwrap_or_else(cores);
@@ -60,7 +60,7 @@ pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<ExitStatus, Fault> 
     Ok(status)
 }
 
-fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) -> Result<Results, Fault> {
+fn run_all(plan: &StudyPlan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) -> Result<Results, Fault> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build().map_err(|error| {
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")

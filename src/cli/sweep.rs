@@ -160,18 +160,12 @@ fn todo(
     let mut todo = Vec::new();
     for &task in tasks {
         match directory.state(sweep, task)? {
-            State::Foreign(key) if !force => return Err(foreign(directory, sweep, task, &key)),
+            State::Foreign(key) if !force => return Err(directory.refuse(sweep, task, &key)),
             state @ State::Over(_) if !(retry && state.is_failure()) => {}
             _ => todo.push(task),
         }
     }
     Ok(todo)
-}
-
-fn foreign(directory: &SweepDirectory, sweep: &Sweep, task: Task, key: &str) -> Fault {
-    let message = format!("{} is a run of another scene: `{key}` differs", directory.run(sweep, task).display());
-    Fault::new("sweep::other_scene", message)
-        .help("the scene has changed: give another directory with --out, or run such points again with --force")
 }
 
 /// Checks the scenes of all points that have runs to do, and logs their warnings, each once.

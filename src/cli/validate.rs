@@ -13,7 +13,7 @@ use crate::cli::signals::Signals;
 use crate::cli::sweep::{Effort, available_cores, complete};
 use crate::cli::{picture_files, refused, say, show, unwritable};
 use crate::studies::sweep::Sweep;
-use crate::studies::validation::cases::CASES;
+use crate::studies::validation::cases::{self, CASES};
 use crate::studies::validation::page::{self, Section};
 use crate::studies::validation::runs::{Studies, sweep_directory};
 use crate::studies::validation::verdict::Verdict;
@@ -60,7 +60,7 @@ pub(super) struct ValidateArgs {
 }
 
 pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
-    let mut cases = args.cases.iter().map(|name| Case::named(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut cases = args.cases.iter().map(|name| cases::named(name)).collect::<Result<Vec<_>, _>>()?;
     if cases.is_empty() {
         cases = CASES.to_vec();
     }

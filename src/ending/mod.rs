@@ -1,111 +1,20 @@
-//! Regular ends of every run: the silo is empty, the time is over, or the caller asked for the end. [`crate::ending::stop`] has the
-//! conditions that a scene may add.
+//! How a run ends. A system that ends the run records the end in [`Outcome`](siloflow_dem::outcome::Outcome), and the simulation stops
+//! after that step. The first regular end is kept, and a failure replaces it.
 //!
-//! The silo is empty if grains have been released, none is still to be released, and none is inside.
+//! | end | file |
+//! |---|---|
+//! | the silo is empty, or the time is over | [`regular`] |
+//! | the caller asks for the end | `request` |
+//! | a condition of the scene holds: the bed is at rest, the flow has ended, the outlet is clogged, enough grains are out | [`stop`] |
+//! | a failure: a number is not finite | [`finite`] |
+//! | a failure: energy appears without a source, or an overlap is too large | [`watchdog`] |
+//!
+//! Other failures are recorded where they happen: grains that are lost ([`crate::ledger`]) or find no place
+//! ([`crate::grains::spawner`], [`crate::grains::feed`]), and files that cannot be written. The lattice gas has its own regular ends
+//! (`lattice_silo/ending.rs`).
 
 pub mod finite;
+pub mod regular;
+pub(crate) mod request;
 pub mod stop;
 pub mod watchdog;
-
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use bevy_app::{App, Plugin};
-use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
-
-use crate::grains::spawner::Pending;
-use crate::ledger::{GrainsAccounted, Ledger};
-use siloflow_dem::messages::CameToRest;
-use siloflow_dem::outcome::{End, Outcome};
-use siloflow_dem::persist::PersistApp as _;
-use siloflow_dem::step::{Clock, Phase, Step, time_moves};
-use siloflow_dem::store::reads_velocities_when;
-
-#[derive(Resource)]
-pub(crate) struct Until(f64);
-
-/// Time at which the silo was found empty, s.
-#[derive(Resource, Default, Debug, Deserialize, Serialize)]
-pub struct EmptyTime(pub Option<f64>);
-
-pub(crate) fn end_when_empty(
-    clock: Res<Clock>,
-    pending: Res<Pending>,
-    ledger: Res<Ledger>,
-    mut empty: ResMut<EmptyTime>,
-    mut outcome: ResMut<Outcome>,
-) {
-    if pending.0 == 0 && ledger.released > 0 && ledger.inside() == 0 {
-        // A silo that lost all of its grains was not emptied through its orifice.
-        empty.0 = (ledger.out() > 0).then(|| clock.time());
-        outcome.finish(End::Empty);
-    }
-}
-
-/// A request of the caller to end the run.
-///
-/// The request is read once per step, before the step begins. All systems of the step therefore agree on whether it is the
-/// last one.
-#[derive(Resource, Default)]
-pub(crate) struct StopRequest {
-    flag: Option<Arc<AtomicUsize>>,
-    is_made: bool,
-}
-
-impl StopRequest {
-    /// Takes any number other than zero in `flag` as the request.
-    pub(crate) fn watch(&mut self, flag: Arc<AtomicUsize>) {
-        self.flag = Some(flag);
-    }
-
-    /// Reads the flag, at the beginning of a step.
-    pub(crate) fn read(&mut self) {
-        self.is_made |= self.flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed) != 0);
-    }
-
-    /// Whether this step is the last one.
-    pub(crate) fn is_made(&self) -> bool {
-        self.is_made
-    }
-}
-
-fn is_time_over(clock: Res<Clock>, until: Res<Until>, stop: Res<StopRequest>) -> bool {
-    stop.is_made() || clock.has_reached(until.0)
-}
-
-pub(crate) fn end_at_time(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
-    outcome.finish(if clock.has_reached(until.0) { End::TimeReached } else { End::Interrupted });
-}
-
-/// Ends the run when the bed has come to rest.
-pub(crate) fn end_at_rest(mut rest: MessageReader<CameToRest>, mut outcome: ResMut<Outcome>) {
-    if rest.read().next().is_some() {
-        outcome.finish(End::AtRest);
-    }
-}
-
-/// After this set of [`Phase::Cull`], a run that ends regularly in this step has its end set.
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Endings;
-
-/// Regular ends of a run.
-pub struct EndingPlugin {
-    /// Latest end, s.
-    pub until: f64,
-}
-
-impl Plugin for EndingPlugin {
-    fn build(&self, app: &mut App) {
-        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().persist_sound::<EmptyTime>().add_systems(
-            Step,
-            (end_when_empty, end_at_time.run_if(is_time_over))
-                .chain()
-                .in_set(Phase::Cull)
-                .in_set(Endings)
-                .after(GrainsAccounted)
-                .run_if(time_moves),
-        );
-        reads_velocities_when(app, is_time_over);
-    }
-}

@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use crate::door::DoorOpens;
-use crate::ending::stop::StopCondition;
+use crate::ending::stop::conditions::StopCondition;
 use crate::lammps::grains::Particles;
 use crate::lammps::outputs::steps;
 use crate::lammps::releases::{self, all_grains};

@@ -1,7 +1,7 @@
 //! Warnings about a lattice-gas scene that need no run.
 
 use crate::lattice_silo::door::DoorOpens;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::lattice_silo::rest::Rest;
 use siloflow_text::fault::Warning;
 

@@ -4,7 +4,8 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::ending::{EmptyTime, StopRequest, end_at_rest};
+use crate::ending::regular::{EmptyTime, end_at_rest};
+use crate::ending::request::StopRequest;
 use crate::grains::spawner::Pending;
 use crate::lattice_silo::door::DoorState;
 use siloflow_dem::outcome::{End, Outcome};

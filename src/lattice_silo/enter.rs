@@ -9,9 +9,9 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::grains::spawner::Pending;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::step::LatticeStage;
 use siloflow_dem::space::Plane;
-use siloflow_dem::step::{Clock, Phase, Step, time_moves};
+use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::values::{FiniteVector, Positive, Share};
 use siloflow_lattice::draws::{Chance, Purpose, Streams};
 use siloflow_lattice::gas::Gas;
@@ -55,16 +55,24 @@ pub struct Thrown {
 /// Number of rows at the top that particles are poured into.
 const POURED_ROWS: i32 = 3;
 
-/// Adds the particles of the start, from the scene's `particles` and `fill`, to the gas.
-pub(super) fn enter(loaded: &LoadedLattice, sites: &Sites, gas: &mut Gas) {
-    for thrown in &loaded.scene.particles {
+/// Particles of the start.
+pub(super) struct Start<'a> {
+    pub particles: &'a [Thrown],
+    pub fill: Option<Fill>,
+    /// Seed of the fill.
+    pub seed: u64,
+}
+
+/// Adds the particles of the start to the gas.
+pub(super) fn enter(start: &Start, sites: &Sites, gas: &mut Gas) {
+    for thrown in start.particles {
         if let Some(site) = sites.nearest(thrown.at.get::<Plane>()) {
             gas.add(site, usize::from(thrown.velocity));
         }
     }
-    if let Some(fill) = loaded.scene.fill {
+    if let Some(fill) = start.fill {
         let share = Chance::of(fill.per_site.get() / 13.0);
-        let streams = Streams::new(loaded.scene.seed, 0, Purpose::Enter, 0);
+        let streams = Streams::new(start.seed, 0, Purpose::Enter, 0);
         for site in sites.fluid() {
             for state in (0..13).filter(|&state| share.happens(streams.of(site).high(state as u64))) {
                 gas.add(site, state);
@@ -74,7 +82,7 @@ pub(super) fn enter(loaded: &LoadedLattice, sites: &Sites, gas: &mut Gas) {
 }
 
 /// Sites of the top rows, the probability of a particle there, and the number of particles that enter in total.
-#[derive(Resource)]
+#[derive(Resource, Clone)]
 struct PourSource {
     sites: Vec<usize>,
     chance: Chance,
@@ -88,7 +96,7 @@ fn pour(
     mut gas: ResMut<Gas>,
     mut pending: ResMut<Pending>,
 ) {
-    // Phase::Spawn comes before the clock advances to this step.
+    // Particles enter before the clock advances to this step.
     let streams = Streams::new(odds.seed, clock.steps + 1, Purpose::Enter, 0);
     let is_free = |&site: &usize| gas.states()[site] & 1 << DOWN == 0;
     let gets_one = |&site: &usize| source.chance.happens(streams.of(site).high(0));
@@ -111,7 +119,7 @@ fn particles_are_pending(pending: Res<Pending>) -> bool {
 
 /// Plugin that pours particles in at the top.
 pub(super) struct PourPlugin {
-    source: (Vec<usize>, Chance, u64),
+    source: PourSource,
 }
 
 impl PourPlugin {
@@ -128,15 +136,14 @@ impl PourPlugin {
             reason = "a particle count"
         )]
         let target = (config.per_site.get() * sites.fluid_count() as f64).round() as u64;
-        Self { source: (poured, Chance::of(config.chance.get()), target) }
+        Self { source: PourSource { sites: poured, chance: Chance::of(config.chance.get()), target } }
     }
 }
 
 impl Plugin for PourPlugin {
     fn build(&self, app: &mut App) {
-        let (sites, chance, target) = self.source.clone();
-        app.insert_resource(Pending(u32::try_from(target).unwrap_or(u32::MAX)))
-            .insert_resource(PourSource { sites, chance, target })
-            .add_systems(Step, pour.in_set(Phase::Spawn).run_if(particles_are_pending).run_if(time_moves));
+        app.insert_resource(Pending(u32::try_from(self.source.target).unwrap_or(u32::MAX)))
+            .insert_resource(self.source.clone())
+            .add_systems(Step, pour.in_set(LatticeStage::Enter).run_if(particles_are_pending));
     }
 }

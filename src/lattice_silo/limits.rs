@@ -1,10 +1,9 @@
 //! Limits of a lattice-gas scene, checked before anything of that size is allocated or written.
 
-use crate::lattice_silo::load::{LoadedLattice, polygon};
+use crate::lattice_silo::loaded::{LoadedLattice, polygon};
 use crate::lattice_silo::scene::LatticeScene;
 use crate::writers::memory::available_memory;
 use crate::writers::volume::{self, Output};
-use siloflow_dem::space::Vector;
 use siloflow_figures::png::MOST_PIXELS;
 use siloflow_figures::svg;
 use siloflow_lattice::rules::Rules;
@@ -69,13 +68,6 @@ pub(super) fn sites(scene: &LatticeScene, rules: &Rules, source: &Source) -> Res
     Ok(())
 }
 
-/// Corners (m) of the view of a scene's pictures: its outline with a margin.
-pub(super) fn view(loaded: &LoadedLattice) -> (Vector, Vector) {
-    let (low, high) = loaded.outline().bounds();
-    let margin = Vector::splat(0.04 * (high - low).max_element());
-    (low - margin, high + margin)
-}
-
 /// Returns the outputs of a scene.
 #[expect(clippy::cast_precision_loss, reason = "a number of sites")]
 pub(crate) fn outputs(loaded: &LoadedLattice) -> Vec<Output> {
@@ -85,7 +77,7 @@ pub(crate) fn outputs(loaded: &LoadedLattice) -> Vec<Output> {
         vec![Output { key: "series.interval".to_owned(), interval, rows: 1.0, pictures: 0.0, bytes: 120.0 }];
     if let Some(pictures) = &scene.pictures {
         let cell = f64::from(pictures.cell.0.get()) * f64::from(pictures.cell.1.get());
-        let pixels = svg::pixels(pictures.width.get(), view(loaded), HEADER_LINES);
+        let pixels = svg::pixels(pictures.width.get(), loaded.view(), HEADER_LINES);
         outputs.push(Output {
             key: "pictures.interval".to_owned(),
             interval: f64::from(pictures.interval.get()),
@@ -108,7 +100,7 @@ pub(super) fn check(loaded: &LoadedLattice) -> Result<(), Fault> {
         if !(50.0..=20_000.0).contains(&width) {
             return fault("expected a width of 50 to 20000 px".to_owned(), "480 is a good width");
         }
-        let pixels = svg::pixels(width, view(loaded), HEADER_LINES);
+        let pixels = svg::pixels(width, loaded.view(), HEADER_LINES);
         if pictures.png && pixels > MOST_PIXELS {
             let message =
                 format!("a picture would have {pixels:.2e} pixels, more than the limit of {MOST_PIXELS:e} for PNG");

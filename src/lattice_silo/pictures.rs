@@ -12,8 +12,6 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::lattice_silo::door::DoorState;
-use crate::lattice_silo::limits;
-use crate::lattice_silo::load::LoadedLattice;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::output::run_path::RunPath;
 use crate::writers::picture_writer::PictureWriter;
@@ -57,7 +55,7 @@ impl Default for Pictures {
 
 /// Returns the cells of a picture that have fluid sites, each of this many columns and rows of sites.
 #[must_use]
-pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZeroU16)) -> Vec<Cell> {
+pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZeroU16)) -> Vec<DensityCell> {
     let columns = usize::from(columns.get());
     let rows = usize::from(rows.get());
     let high = sites.stride.div_ceil(rows);
@@ -76,14 +74,14 @@ pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZero
         .map(|(n, (count, fluid))| {
             let i = n / high;
             let j = n % high;
-            Cell { low: at(i, j), high: at(i + 1, j + 1), density: f64::from(count) / f64::from(fluid) }
+            DensityCell { low: at(i, j), high: at(i + 1, j + 1), density: f64::from(count) / f64::from(fluid) }
         })
         .collect()
 }
 
 /// A cell of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub struct DensityCell {
     /// Lower left corner, m.
     pub low: Vector,
     /// Upper right corner, m.
@@ -100,7 +98,7 @@ pub fn grey(density: f64) -> Rgb {
 
 /// Groups the cells by colour, as (colour, corners of the cells), in the form of [`Picture::cells`].
 #[must_use]
-pub fn shaded(cells: &[Cell]) -> Vec<(Rgb, Vec<(Vector, Vector)>)> {
+pub fn shaded(cells: &[DensityCell]) -> Vec<(Rgb, Vec<(Vector, Vector)>)> {
     let mut by_grey: Vec<Vec<(Vector, Vector)>> = vec![Vec::new(); 256];
     for cell in cells {
         by_grey[usize::from(grey(cell.density)[0])].push((cell.low, cell.high));
@@ -110,11 +108,13 @@ pub fn shaded(cells: &[Cell]) -> Vec<(Rgb, Vec<(Vector, Vector)>)> {
 
 /// Settings of all pictures of a run.
 #[derive(Resource, Clone)]
-struct PictureSettings {
-    pictures: Pictures,
-    title: String,
-    view: (Vector, Vector),
-    door: Option<(Vector, Vector)>,
+pub(crate) struct PictureSettings {
+    pub pictures: Pictures,
+    pub title: String,
+    /// Lower left and upper right corner of the view, m.
+    pub view: (Vector, Vector),
+    /// The ends of the door, m.
+    pub door: Option<(Vector, Vector)>,
 }
 
 fn write_picture(
@@ -148,26 +148,19 @@ fn write_picture(
 }
 
 /// Plugin that writes the pictures.
-pub(crate) struct PicturesPlugin(PictureSettings, PathBuf);
-
-impl PicturesPlugin {
-    /// Creates the plugin for a scene; `None` if the scene has no pictures. The pictures are written to `directory`.
-    pub fn of(loaded: &LoadedLattice, directory: PathBuf) -> Option<Self> {
-        let pictures = loaded.scene.pictures.clone()?;
-        let title = if loaded.scene.title.is_empty() { &loaded.source.name } else { &loaded.scene.title };
-        let view = limits::view(loaded);
-        let door = loaded.scene.door.map(|door| (door.from.get(), door.to.get()));
-        Some(Self(PictureSettings { pictures, title: title.clone(), view, door }, directory))
-    }
+pub(crate) struct PicturesPlugin {
+    pub settings: PictureSettings,
+    /// The directory of the pictures.
+    pub directory: PathBuf,
 }
 
 impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
-        observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
+        observe_every::<Pictures>(app, f64::from(self.settings.pictures.interval.get()));
         PictureWriter::persist(app);
-        let writer = PictureWriter::new(self.1.clone(), self.0.pictures.png);
+        let writer = PictureWriter::new(self.directory.clone(), self.settings.pictures.png);
         let writer = writer.recorded_in(app.world().get_resource::<RunPath>().map(|run| &run.files));
-        app.insert_resource(self.0.clone())
+        app.insert_resource(self.settings.clone())
             .insert_resource(writer)
             .add_systems(Step, write_picture.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }

@@ -1,4 +1,4 @@
-//! Selects the plugins that a lattice-gas scene needs, and assigns the parts of the automaton to the phases of a step.
+//! Selects the plugins that a lattice-gas scene needs, and makes the rules of the automaton systems of its [stages](LatticeStage).
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -12,13 +12,14 @@ use siloflow_lattice::trickle::trickle;
 use crate::assembly::Assembly;
 use crate::lattice_silo::door::DoorPlugin;
 use crate::lattice_silo::ending::{DischargePlugin, EndingPlugin};
-use crate::lattice_silo::enter::{PourPlugin, enter};
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::enter::{PourPlugin, Start, enter};
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::lattice_silo::rest::RestPlugin;
+use crate::lattice_silo::step::{LatticeStage, LatticeStagesPlugin};
 use crate::measure::ObservePlugin;
 use siloflow_dem::messages::{CameToRest, DoorOpened};
 use siloflow_dem::persist::PersistApp as _;
-use siloflow_dem::step::{Clock, ForceStage, Phase, Step, StepPlugin, time_moves};
+use siloflow_dem::step::{Clock, Step, StepPlugin};
 use siloflow_dem::threads::Threads;
 use siloflow_lattice::collisions::Collisions;
 use siloflow_lattice::gas::Gas;
@@ -27,16 +28,17 @@ use siloflow_lattice::sites::Sites;
 
 /// The collision table.
 #[derive(Resource)]
-struct Table(&'static Collisions);
+struct CollisionTable(&'static Collisions);
 
 /// Adds the plugins and resources that the scene needs, each with the scene key that requests it.
 pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
     let scene = &loaded.scene;
     let sites = &loaded.sites;
     let mut gas = Gas::new(sites);
-    enter(loaded, sites, &mut gas);
+    enter(&Start { particles: &scene.particles, fill: scene.fill, seed: scene.seed }, sites, &mut gas);
     // Time is counted in steps of the automaton.
     app.add("step", StepPlugin { dt: 1.0 })
+        .add("always", LatticeStagesPlugin)
         .add("always", ObservePlugin)
         .add("always", LatticeMessages)
         .add("method", CollisionsPlugin);
@@ -63,7 +65,7 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
         app.add("discharge", DischargePlugin(steps));
     }
     app.provide(Odds::new(rules, scene.seed));
-    app.provide(Table(Collisions::shared()));
+    app.provide(CollisionTable(Collisions::shared()));
     app.provide(sites.clone());
     app.provide(gas);
     app.add_with("always", |app| {
@@ -89,13 +91,12 @@ impl Plugin for LatticeMessages {
     }
 }
 
-/// Plugin for collisions. Between collisions and propagation, systems find the outgoing particles in [`Gas::movers`]
-/// and [`Gas::resting`].
+/// Plugin for collisions.
 struct CollisionsPlugin;
 
 fn stop_some(
     (clock, threads): (Res<Clock>, Res<Threads>),
-    (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
+    (sites, table, odds): (Res<Sites>, Res<CollisionTable>, Res<Odds>),
     mut gas: ResMut<Gas>,
 ) {
     stop(&sites, &mut gas, &threads, table.0, &odds, clock.steps);
@@ -107,7 +108,7 @@ fn place_stopped(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas:
 
 fn collide_movers(
     (clock, threads): (Res<Clock>, Res<Threads>),
-    (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
+    (sites, table, odds): (Res<Sites>, Res<CollisionTable>, Res<Odds>),
     mut gas: ResMut<Gas>,
 ) {
     collide(&sites, &mut gas, &threads, table.0, &odds, clock.steps);
@@ -116,7 +117,7 @@ fn collide_movers(
 impl Plugin for CollisionsPlugin {
     fn build(&self, app: &mut App) {
         let collisions = (stop_some, place_stopped, collide_movers).chain();
-        app.add_systems(Step, collisions.in_set(ForceStage::Contacts).run_if(time_moves));
+        app.add_systems(Step, collisions.in_set(LatticeStage::Collide));
     }
 }
 
@@ -128,7 +129,7 @@ fn stop_at_walls(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas:
 
 impl Plugin for FrictionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, stop_at_walls.in_set(ForceStage::Contacts).after(collide_movers).run_if(time_moves));
+        app.add_systems(Step, stop_at_walls.in_set(LatticeStage::Rub));
     }
 }
 
@@ -140,7 +141,7 @@ fn trickle_down(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: 
 
 impl Plugin for TricklePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, trickle_down.in_set(ForceStage::Gravity).run_if(time_moves));
+        app.add_systems(Step, trickle_down.in_set(LatticeStage::Trickle));
     }
 }
 
@@ -156,6 +157,6 @@ fn move_on(
 
 impl Plugin for PropagationPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(self.0).add_systems(Step, move_on.in_set(Phase::Kick));
+        app.insert_resource(self.0).add_systems(Step, move_on.in_set(LatticeStage::Propagate));
     }
 }

@@ -7,9 +7,9 @@ use std::io::{self, Write};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::ending::EmptyTime;
+use crate::ending::regular::EmptyTime;
 use crate::lattice_silo::door::DoorState;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::lattice_silo::rest::RestDetector;
 use crate::measure::outputs::{self, Values};
 use crate::output::summary::{Cost, Results, Summary};

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::lattice_silo::door::DoorOpens;
 use crate::lattice_silo::enter::Thrown;
 use crate::lattice_silo::limits;
-use crate::lattice_silo::load::{LoadedLattice, polygon};
+use crate::lattice_silo::loaded::{LoadedLattice, polygon};
 use crate::lattice_silo::scene::LatticeScene;
 use siloflow_lattice::outline::distance;
 use siloflow_lattice::rules::Rules;

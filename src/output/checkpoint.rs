@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 
 use self::file::{FORMAT, Header};
-use crate::ending::StopRequest;
+use crate::ending::request::StopRequest;
 use crate::output::frame_recording::writer::FrameWriter;
 use crate::writers::picture_writer::PictureWriter;
 use siloflow_dem::outcome::{End, Failure, Outcome};

@@ -2,15 +2,15 @@
 
 mod contacts;
 mod fill;
-mod start_state;
+pub mod start_state;
 
 use std::path::Path;
 use std::sync::Arc;
 
-pub use self::start_state::{StartState, started_from};
 use crate::grains::file::{self, Kind};
-use crate::lattice_silo::load::LoadedLattice;
-use crate::scene::check::{Estimates, automatic};
+use crate::lattice_silo::loaded::LoadedLattice;
+use crate::scene::check::automatic;
+use crate::scene::check::estimates::Estimates;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
 use siloflow_dem::contact::history::remembered::{self, RememberedContacts};

@@ -6,11 +6,10 @@ mod walls;
 use crate::grains::file::GrainRow;
 use crate::grains::fill::FixedGrain;
 use crate::grains::spawner::RadiusLaw;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
 use crate::measure::profile::Profile;
-use crate::scene::check::Estimates;
-use crate::scene::{Scene, TimeStep};
+use crate::scene::Scene;
 use siloflow_dem::contact::config::Contact;
 use siloflow_dem::contact::history::remembered::RememberedContacts;
 use siloflow_dem::contact::selection::Contacts;
@@ -94,15 +93,6 @@ impl Loaded {
     pub fn is_elastic(&self) -> bool {
         let mut laws = std::iter::once(&self.scene.contact).chain(self.scene.pairs.iter().map(|pair| &pair.contact));
         laws.all(Contact::is_elastic)
-    }
-
-    /// The time step, s. Without grains an automatic step is `until`.
-    #[must_use]
-    pub fn step(&self) -> f64 {
-        match self.scene.step {
-            TimeStep::Fixed(dt) => dt.get(),
-            TimeStep::Auto { .. } => Estimates::of(self).map_or(self.scene.until.get(), |estimates| estimates.dt),
-        }
     }
 
     /// The profiles, each with the area of its cross-section (m^2; in the plane its length, m): from the scene, or from the

@@ -22,7 +22,7 @@ use ron::value::RawValue;
 use serde::{Deserialize, Serialize};
 
 use crate::door::{DoorControl, DoorOpens, NamedDoor};
-use crate::ending::stop::StopCondition;
+use crate::ending::stop::conditions::StopCondition;
 use crate::ending::stop::kick::Kick;
 use crate::ending::watchdog::Watchdog;
 use crate::grains::feed::Feed;

@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
-use crate::ending::StopRequest;
+use crate::ending::request::StopRequest;
 use crate::grains::spawner::Pending;
 use crate::measure::outputs::{self, Reserved};
 use crate::output::series;

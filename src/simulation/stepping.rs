@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicUsize;
 
 use bevy_ecs::prelude::*;
 
-use crate::ending::StopRequest;
+use crate::ending::request::StopRequest;
 use crate::output::checkpoint;
 use crate::simulation::Simulation;
 use siloflow_dem::outcome::{End, Outcome};

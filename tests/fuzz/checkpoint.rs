@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bolero::TypeGenerator;
 use siloflow::dem::persist::Section;
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::output::checkpoint::file::{self, FORMAT, Header};
 use siloflow::prelude::*;
 use siloflow::text::fault::Fault;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use siloflow::dem::walls::silo_file::{self, LengthUnit};
 use siloflow::figures::png;
 use siloflow::grains::file::{self, Kind};
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::scene::check;
 use siloflow::text::encoding::decode;

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use siloflow::studies::study::claims::{CLAIMS, Verdict};
-use siloflow::studies::study::plan::Plan;
+use siloflow::studies::study::claims::{CLAIMS, ClaimVerdict};
+use siloflow::studies::study::plan::StudyPlan;
 use siloflow::studies::study::replica::Replica;
 use siloflow::studies::study::results::Results;
 
@@ -16,7 +16,7 @@ const FAILS: [(&str, &str); 1] = [("mass flow", "hz(p = 0) > 1.100 hz(p = 0.8)")
 #[test]
 fn claims_decided_by_one_seed_have_their_expected_verdict() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/studies/lattice-gas.ron");
-    let (plan, cases) = Plan::read(&path).unwrap();
+    let (plan, cases) = StudyPlan::read(&path).unwrap();
     let first = plan.seeds[0];
     let cases: Vec<_> = cases.into_iter().filter(|case| case.seed == first).collect();
     let replicas = cases.into_par_iter().with_max_len(1).map(|case| Replica::run(case, &[]).unwrap());
@@ -27,7 +27,7 @@ fn claims_decided_by_one_seed_have_their_expected_verdict() {
             for statement in &claim.statements[..claim.firm] {
                 let found = statement.judge(&results, silo);
                 let fails = FAILS.contains(&(silo.as_str(), found.statement.as_str()));
-                let expected = if fails { Verdict::Fails } else { Verdict::Holds };
+                let expected = if fails { ClaimVerdict::Fails } else { ClaimVerdict::Holds };
                 assert_eq!(found.verdict, expected, "{silo}, {}: {}: {}", claim.text, found.statement, found.figures);
                 judged += 1;
             }

@@ -27,7 +27,7 @@ use std::path::Path;
 
 use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 
 /// Loads a scene of `scenes/` with settings.

@@ -5,7 +5,7 @@
 
 use siloflow::lattice::rules::Walls;
 use siloflow::lattice::sites::{Kind, Sites};
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 
 use crate::reference::{self, Reference, Reflections};

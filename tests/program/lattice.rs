@@ -5,7 +5,7 @@ use std::fs;
 use serde::Deserialize;
 use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::text::source::Source;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde::Deserialize;
-use siloflow::lattice_silo::load::LoadedLattice;
+use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::scene::check;
 use siloflow::text::fault::Fault;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use siloflow::door::DoorState;
-use siloflow::ending::stop::kick::Avalanches;
+use siloflow::ending::stop::avalanches::Avalanches;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;

@@ -5,15 +5,15 @@ use std::path::Path;
 
 use siloflow::studies::sweep::Sweep;
 use siloflow::studies::sweep::directory::SweepDirectory;
-use siloflow::studies::validation::Case;
+use siloflow::studies::validation::cases;
 use siloflow::studies::validation::runs::Studies;
-use siloflow::studies::validation::verdict::{Row, Verdict};
+use siloflow::studies::validation::verdict::{FigureRow, Verdict};
 
 use crate::command_line::{siloflow, text};
 
 /// Runs the short form of a case after changes of its files, and returns the rows.
-fn rows(here: &Path, case: &str, change: impl Fn(&str) -> String) -> Vec<Row> {
-    let case = Case::named(case).unwrap();
+fn rows(here: &Path, case: &str, change: impl Fn(&str) -> String) -> Vec<FigureRow> {
+    let case = cases::named(case).unwrap();
     for (name, content) in case.files {
         fs::write(here.join(name), change(content)).unwrap();
     }
@@ -27,7 +27,7 @@ fn rows(here: &Path, case: &str, change: impl Fn(&str) -> String) -> Vec<Row> {
 }
 
 /// Returns the verdicts of the rows that have a rule.
-fn verdicts(rows: &[Row]) -> Vec<(Verdict, &str, f64)> {
+fn verdicts(rows: &[FigureRow]) -> Vec<(Verdict, &str, f64)> {
     let all = rows.iter().map(|row| (row.verdict(), row.quantity.as_str(), row.found));
     all.filter(|(verdict, ..)| *verdict != Verdict::Reported).collect()
 }

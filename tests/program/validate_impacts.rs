@@ -5,15 +5,15 @@ use std::path::Path;
 
 use siloflow::studies::sweep::Sweep;
 use siloflow::studies::sweep::directory::SweepDirectory;
-use siloflow::studies::validation::Case;
+use siloflow::studies::validation::cases;
 use siloflow::studies::validation::runs::Studies;
-use siloflow::studies::validation::verdict::{Row, Verdict};
+use siloflow::studies::validation::verdict::{FigureRow, Verdict};
 
 use crate::command_line::{siloflow, text};
 
 /// Runs the sweeps of tests 1 and 2, with a change of the scenes, and returns the rows.
-fn rows(here: &Path, change: impl Fn(&str) -> String) -> Vec<Row> {
-    let case = Case::named("chung-ooi").unwrap();
+fn rows(here: &Path, change: impl Fn(&str) -> String) -> Vec<FigureRow> {
+    let case = cases::named("chung-ooi").unwrap();
     for (name, content) in case.files {
         fs::write(here.join(name), change(content)).unwrap();
     }

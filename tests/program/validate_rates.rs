@@ -7,9 +7,9 @@ use std::path::Path;
 use serde_json::json;
 use siloflow::studies::sweep::Sweep;
 use siloflow::studies::sweep::directory::SweepDirectory;
-use siloflow::studies::validation::Case;
+use siloflow::studies::validation::cases;
 use siloflow::studies::validation::runs::Studies;
-use siloflow::studies::validation::verdict::{Row, Verdict};
+use siloflow::studies::validation::verdict::{FigureRow, Verdict};
 
 /// Mean diameter, m; wide, deep and layers of the slot of the full form, diameters.
 const D: f64 = 0.004;
@@ -21,7 +21,7 @@ const LAW: (f64, f64) = (0.9, 1.3);
 /// Writes the runs of the slots: Beverloo's law with an exponent and errors of up to 1 %. The narrowest slot clogs, and so does the first run of the next one,
 /// after a rate a hundred times as large.
 fn studies(here: &Path, exponent: f64) -> Studies {
-    let case = Case::named("beverloo").unwrap();
+    let case = cases::named("beverloo").unwrap();
     for (name, content) in case.files {
         fs::write(here.join(name), content).unwrap();
     }
@@ -72,14 +72,14 @@ fn bed() -> String {
     state
 }
 
-fn row<'a>(rows: &'a [Row], words: &str) -> &'a Row {
+fn row<'a>(rows: &'a [FigureRow], words: &str) -> &'a FigureRow {
     rows.iter().find(|row| row.quantity.contains(words)).unwrap_or_else(|| panic!("{words}: {rows:?}"))
 }
 
 #[test]
 fn the_law_of_the_rates_is_found_and_clogs_do_not_count() {
     let here = tempfile::tempdir().unwrap();
-    let judgement = (Case::named("beverloo").unwrap().judge)(&studies(here.path(), 1.5)).unwrap();
+    let judgement = (cases::named("beverloo").unwrap().judge)(&studies(here.path(), 1.5)).unwrap();
     let rows = &judgement.rows;
     let fixed = row(rows, "exponent of Beverloo's law at k = 1.4");
     assert_eq!(fixed.verdict(), Verdict::Pass, "{fixed:?}");
@@ -102,7 +102,7 @@ fn the_law_of_the_rates_is_found_and_clogs_do_not_count() {
 #[test]
 fn rates_with_another_exponent_miss() {
     let here = tempfile::tempdir().unwrap();
-    let rows = (Case::named("beverloo").unwrap().judge)(&studies(here.path(), 2.0)).unwrap().rows;
+    let rows = (cases::named("beverloo").unwrap().judge)(&studies(here.path(), 2.0)).unwrap().rows;
     let exponent = row(&rows, "exponent of Beverloo's law at k = 1.4");
     assert_eq!(exponent.verdict(), Verdict::Miss, "{exponent:?}");
 }

@@ -3,7 +3,7 @@
 //! The ends of a scale are those of the command line, else those of the scene if it has the same colour, else those that a behaviour
 //! suggests for its column, else those of the frames that are drawn.
 
-use super::options::ColourOption;
+use super::args::ColourOption;
 use super::selection::round_up;
 use crate::scene::outputs::Colour;
 use siloflow_dem::values::{Finite, Positive};
@@ -31,7 +31,8 @@ impl Wanted {
             Self::Open(name) => {
                 let (low, high) = range.unwrap_or((0.0, 1.0));
                 let is_positive = matches!(&*name, "speed" | "pressure");
-                with_ends(&name, if is_positive { (0.0, round_up(high.max(1e-9))) } else { widened(low, high) })
+                let (low, high) = if is_positive { (0.0, round_up(high.max(1e-9))) } else { widened(low, high) };
+                with_ends(&name, low, high)
             }
         }
     }
@@ -42,7 +43,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     if low < high { (low, high) } else { (low - 0.5, low + 0.5) }
 }
 
-fn with_ends(name: &str, (low, high): (f64, f64)) -> Colour {
+fn with_ends(name: &str, low: f64, high: f64) -> Colour {
     let (Ok(from), Ok(to)) = (Finite::try_from(low), Finite::try_from(high)) else { return Colour::Species };
     match (name, Positive::try_from(high)) {
         ("speed", Ok(top)) if low == 0.0 => Colour::Speed(top),
@@ -64,8 +65,8 @@ pub(super) fn wanted(option: Option<&ColourOption>, of_scene: &Colour, header: &
     match (ends, suggested) {
         (None, _) if is_of_scene => Wanted::Known(of_scene.clone()),
         (None, _) if name == "species" => Wanted::Known(Colour::Species),
-        (Some(ends), _) => Wanted::Known(with_ends(name, *ends)),
-        (None, Some(scale)) => Wanted::Known(with_ends(name, (scale.from, scale.to))),
+        (Some(ends), _) => Wanted::Known(with_ends(name, ends.0, ends.1)),
+        (None, Some(scale)) => Wanted::Known(with_ends(name, scale.from, scale.to)),
         (None, None) => Wanted::Open(name.clone()),
     }
 }

@@ -7,10 +7,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use super::RenderArgs;
+use super::args::RenderArgs;
 use super::colours::wanted;
 use super::options;
-use super::selection::Survey;
+use super::selection::FrameIndex;
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
@@ -44,7 +44,7 @@ const FPS: f64 = 20.0;
 const DELAY_MS: [f64; 2] = [20.0, 60_000.0];
 
 /// The frames to draw, and their style.
-struct Plan {
+struct RenderPlan {
     path: PathBuf,
     /// Most bytes of a frame.
     most: u64,
@@ -74,7 +74,7 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
     let reader = FrameReader::open_within(&path, most).map_err(read)?;
     let header = reader.header.clone();
     let wanted = wanted(args.colour.as_ref(), &pictures.colour, &header);
-    let survey = Survey::of(&header, reader, wanted.name()).map_err(read)?;
+    let survey = FrameIndex::of(&header, reader, wanted.name()).map_err(read)?;
     let selected = survey.select(args);
     if selected.is_empty() {
         return Err(Fault::new("render::no_frames", format!("there is no whole frame in {}", path.display()))
@@ -84,8 +84,8 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
     let style = sized(style(&loaded, &pictures), args, &header);
     check(&style, &survey.columns, &loaded)?;
     let decimals = decimals(&survey.times, style.decimals);
-    let Survey { times, columns, .. } = survey;
-    let plan = Plan { path, most, style, selected, times, columns, decimals, quiet };
+    let FrameIndex { times, columns, .. } = survey;
+    let plan = RenderPlan { path, most, style, selected, times, columns, decimals, quiet };
     if args.movie { movie(args, &header, &plan, &target) } else { several(args, &header, &plan, &target) }
 }
 
@@ -146,7 +146,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Fault {
         .help("is it a run of this version of siloflow? Else run its scene.ron again")
 }
 
-impl Plan {
+impl RenderPlan {
     /// Draws the selected frames, several at a time, and calls `write` with the number, the frame's time and the result of `draw`.
     fn each<T: Send>(
         &self,
@@ -217,7 +217,7 @@ fn unwritten(path: &Path, target: &Path, error: &io::Error) -> Fault {
     Fault::new("render::write", format!("could not write {}: {error}", target.display())).help(help_to_write(error))
 }
 
-fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<ExitStatus, Fault> {
+fn movie(args: &RenderArgs, header: &Header, plan: &RenderPlan, target: &Path) -> Result<ExitStatus, Fault> {
     #[expect(clippy::cast_precision_loss, reason = "a number of frames")]
     let count = plan.selected.len() as f64;
     let seconds = args.duration.map_or_else(|| 1.0 / args.fps.unwrap_or(FPS), |duration| duration / count);
@@ -248,7 +248,7 @@ fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Resu
     Ok(ExitStatus::Done)
 }
 
-fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<ExitStatus, Fault> {
+fn several(args: &RenderArgs, header: &Header, plan: &RenderPlan, target: &Path) -> Result<ExitStatus, Fault> {
     let ending = args.out.as_ref().and_then(|out| out.extension()?.to_str());
     let is_svg = ending == Some("svg");
     let draw = |frame: &Frame| {

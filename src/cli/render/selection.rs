@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use super::RenderArgs;
+use super::args::RenderArgs;
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::{Frame, Header};
 use siloflow_results::pictures::style::speeds;
@@ -13,14 +13,14 @@ const MOVIE_FRAMES: usize = 200;
 
 /// The frames of a run: their times, and the lowest and highest number that colours grains in each.
 #[derive(Default)]
-pub(super) struct Survey {
+pub(super) struct FrameIndex {
     pub times: Vec<f64>,
     pub ranges: Vec<Option<(f64, f64)>>,
     /// Columns of all frames.
     pub columns: Columns,
 }
 
-impl Survey {
+impl FrameIndex {
     /// Reads all frames. With `colour`, also the numbers of that name.
     pub fn of(
         header: &Header,
@@ -109,15 +109,15 @@ mod tests {
     use super::*;
 
     #[derive(Parser)]
-    struct Call {
+    struct Arguments {
         #[command(flatten)]
         args: RenderArgs,
     }
 
     fn selected(times: Vec<f64>, options: &[&str]) -> Vec<usize> {
         let ranges = vec![None; times.len()];
-        let call = Call::parse_from([&["render", "run"], options].concat());
-        Survey { times, ranges, columns: Columns::default() }.select(&call.args)
+        let call = Arguments::parse_from([&["render", "run"], options].concat());
+        FrameIndex { times, ranges, columns: Columns::default() }.select(&call.args)
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The summary of a run of grains in words.
 
-use crate::cli::run_path::SummaryWords;
+use crate::cli::run_path::words::SummaryWords;
 use crate::output::summary::Summary;
 use crate::output::summary::grains::{Energy, GrainResults};
 

@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::cli::exit_status::ExitStatus;
-use crate::cli::sweep::foreign;
 use crate::cli::sweep::runs::Failure;
 use crate::cli::{picture_files, say, show};
 use crate::studies::sweep::directory::{State, SweepDirectory};
-use crate::studies::sweep::table::{self, Row};
+use crate::studies::sweep::table::{self, RunRow};
 use crate::studies::sweep::{Sweep, Task, figures, picture};
 use siloflow_figures::statistics::digits::short;
 use siloflow_text::fault::Fault;
@@ -17,8 +16,8 @@ use siloflow_text::fault::Fault;
 const MOST_LISTED: usize = 20;
 
 /// Lists runs that failed or are missing. Returns whether there are any.
-fn list_failures(sweep: &Sweep, rows: &[Row], failures: &[Failure]) -> bool {
-    let reason = |row: &Row| match failures.iter().find(|failure| failure.task == row.task) {
+fn list_failures(sweep: &Sweep, rows: &[RunRow], failures: &[Failure]) -> bool {
+    let reason = |row: &RunRow| match failures.iter().find(|failure| failure.task == row.task) {
         Some(failure) => Some(failure.reason.clone()),
         None if row.is_failure() => Some(row.failure.clone()),
         None if row.is_missing() => Some("it has not been run to its end".to_owned()),
@@ -35,11 +34,11 @@ fn list_failures(sweep: &Sweep, rows: &[Row], failures: &[Failure]) -> bool {
 }
 
 /// Returns the rows of runs, as their directories are now.
-fn rows(sweep: &Sweep, directory: &SweepDirectory, tasks: &[Task]) -> Result<Vec<Row>, Fault> {
+fn rows(sweep: &Sweep, directory: &SweepDirectory, tasks: &[Task]) -> Result<Vec<RunRow>, Fault> {
     let row = |&task: &Task| match directory.state(sweep, task)? {
-        State::Over(summary) => Ok(Row::of(sweep, task, Some(&summary))),
-        State::Foreign(key) => Err(foreign(directory, sweep, task, &key)),
-        _ => Ok(Row::of(sweep, task, None)),
+        State::Over(summary) => Ok(RunRow::of(sweep, task, Some(&summary))),
+        State::Foreign(key) => Err(directory.refuse(sweep, task, &key)),
+        _ => Ok(RunRow::of(sweep, task, None)),
     };
     tasks.iter().map(row).collect()
 }
@@ -97,7 +96,7 @@ pub(super) fn gather(
 }
 
 /// Warns of figures that no run has, and tells which numbers a run has.
-fn warn_of_absent_figures(sweep: &Sweep, directory: &SweepDirectory, rows: &[Row]) {
+fn warn_of_absent_figures(sweep: &Sweep, directory: &SweepDirectory, rows: &[RunRow]) {
     let Some(over) = rows.iter().find(|row| !row.is_failure() && !row.is_missing()) else { return };
     for (number, figure) in sweep.plan.figures.iter().enumerate() {
         if rows.iter().any(|row| row.figures[number].is_some()) {
@@ -118,18 +117,18 @@ const MOST_ROWS: usize = 60;
 fn in_words(
     sweep: &Sweep,
     directory: &SweepDirectory,
-    rows: &[Row],
-    cells: &[table::Cell],
+    rows: &[RunRow],
+    cells: &[table::PointMean],
     fits: &[picture::GroupFit],
 ) -> String {
-    let count = |of: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| of(row)).count();
+    let count = |of: &dyn Fn(&RunRow) -> bool| rows.iter().filter(|row| of(row)).count();
     let mut text = format!(
         "{}: {} runs, {} clogged, {} failed, {} missing\n",
         sweep.name,
         rows.len(),
         count(&|row| row.status == "clogged"),
-        count(&Row::is_failure),
-        count(&Row::is_missing)
+        count(&RunRow::is_failure),
+        count(&RunRow::is_missing)
     );
     for cell in cells.iter().take(MOST_ROWS) {
         let values = sweep.keys.iter().zip(&sweep.points[cell.point].values);

@@ -1,9 +1,6 @@
 //! Ends a run when the outlet is clogged: the door is open, no grain has left for a time, and grains are above the outlet.
 //!
-//! A grain is above an outlet if its centre is inside the silo, higher than the lower end of the door, and between the ends of the door
-//! along every horizontal axis. A door in a side wall is higher than it is thick: there the grain is within half the height of the
-//! door. Dead zones beside and below the outlet therefore are no clog, and neither is an empty channel above it. The
-//! avalanche is what has left since the door began to open.
+//! `stop/outlet.rs` defines which grains are above the outlet. The avalanche is what has left since the door began to open.
 
 use std::marker::PhantomData;
 
@@ -11,9 +8,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::door::DoorState;
-use crate::ending::stop::kick::Avalanches;
-use crate::ending::stop::{end_by_flow, is_still};
-use crate::ending::{Endings, end_at_time, end_when_empty};
+use crate::ending::regular::{Endings, end_at_time, end_when_empty};
+use crate::ending::stop::avalanches::Avalanches;
+use crate::ending::stop::conditions::end_by_flow;
+use crate::ending::stop::outlet::count_above;
+use crate::ending::stop::stillness::is_still;
 use crate::ledger::{GrainsAccounted, Ledger};
 use siloflow_dem::outcome::{End, Outcome};
 use siloflow_dem::particles::Particles;
@@ -34,24 +33,6 @@ fn has_stopped(
     avalanches: Option<Res<Avalanches>>,
 ) -> bool {
     is_still(&clock, &ledger, door.as_deref(), avalanches.as_deref(), outlets.still)
-}
-
-/// Whether a point inside the silo is above an outlet, given by the box around its door, m.
-fn is_above<V: Space>(x: Solid, [low, high]: [Solid; 2]) -> bool {
-    let up = V::COMPONENTS - 1;
-    let least = 0.5 * (high[up] - low[up]);
-    let is_within = |axis: usize| {
-        let half_width = (0.5 * (high[axis] - low[axis])).max(least);
-        (x[axis] - 0.5 * (low[axis] + high[axis])).abs() < half_width
-    };
-    x[up] > low[up] && (0..up).all(is_within)
-}
-
-/// Returns the number of grains inside that are above one of these outlets, given by the boxes around their doors, m.
-pub(super) fn count_above<V: Space>(particles: &Particles<V>, ledger: &Ledger, boxes: &[[Solid; 2]]) -> u32 {
-    let is_above = |row: usize| boxes.iter().any(|door| is_above::<V>(particles.position(row).spread(), *door));
-    let inside = particles.grains().filter(|&row| !ledger.is_gone(particles.id(row)));
-    u32::try_from(inside.filter(|&row| is_above(row)).count()).unwrap_or(u32::MAX)
 }
 
 fn end_by_clog<V: Space>(
@@ -88,28 +69,6 @@ impl<V: Space> Plugin for ClogPlugin<V> {
                 .before(end_at_time)
                 .run_if(has_stopped)
                 .run_if(time_moves),
-        );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use siloflow_dem::space::Plane;
-
-    #[test]
-    fn a_grain_is_above_a_door_in_the_floor_or_before_a_door_in_a_side() {
-        let floor = [Solid::new(-0.1, -0.2, 0.0), Solid::new(0.1, 0.2, 0.0)];
-        let above = |x, y, z| is_above::<Solid>(Solid::new(x, y, z), floor);
-        assert!(above(0.09, -0.19, 0.01) && above(0.0, 0.0, 3.0));
-        assert!(!above(0.11, 0.0, 0.1) && !above(0.0, 0.21, 0.1));
-        let side = [Solid::new(1.0, -0.2, 0.5), Solid::new(1.0, 0.2, 0.7)];
-        let before = |x, y, z| is_above::<Solid>(Solid::new(x, y, z), side);
-        assert!(before(0.91, 0.0, 0.55) && before(0.95, 0.1, 2.0));
-        assert!(!before(0.89, 0.0, 0.6) && !before(0.95, 0.0, 0.49));
-        let slit = [Solid::new(1.0, 0.5, 0.0), Solid::new(1.0, 0.7, 0.0)];
-        assert!(
-            is_above::<Plane>(Solid::new(0.91, 0.6, 0.0), slit) && !is_above::<Plane>(Solid::new(0.91, 0.4, 0.0), slit)
         );
     }
 }

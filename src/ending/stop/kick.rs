@@ -14,13 +14,14 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::door::DoorState;
-use crate::ending::Endings;
-use crate::ending::stop::clog::count_above;
-use crate::ending::stop::is_still;
+use crate::ending::regular::Endings;
+use crate::ending::stop::avalanches::{Avalanches, check_avalanches};
+use crate::ending::stop::outlet::count_above;
+use crate::ending::stop::stillness::is_still;
 use crate::ledger::{GrainsAccounted, Ledger};
 use siloflow_dem::particle::{Force, Grain, Mass, Position};
 use siloflow_dem::particles::Particles;
-use siloflow_dem::persist::{PersistApp as _, Problem};
+use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::{Solid, Space};
 use siloflow_dem::step::{Clock, ForceStage, Phase, Step, time_moves};
 use siloflow_dem::values::{FiniteVector, Positive};
@@ -39,26 +40,6 @@ pub struct Kick {
     pub reach: Positive,
     /// Most kicks in a run, up to 10,000.
     pub most: u16,
-}
-
-/// Grains that left between two clogs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Avalanche {
-    /// Time at which the clog was found and the kick began, s.
-    pub end_s: f64,
-    /// Number of grains.
-    pub grains: u32,
-}
-
-/// The avalanches so far, each ended by a clog and a kick.
-#[derive(Resource, Clone, Debug, Default, Deserialize, Serialize)]
-pub struct Avalanches {
-    /// In order of time.
-    pub all: Vec<Avalanche>,
-    /// End of the last kick, s; may be in the future.
-    pub(super) kick_end: Option<f64>,
-    /// Number of grains that were out when it began.
-    out_before: u32,
 }
 
 /// The scene's kick, and the boxes around its doors, m.
@@ -84,11 +65,7 @@ fn begin<V: Space>(
     mut avalanches: ResMut<Avalanches>,
 ) {
     if count_above(&particles, &ledger, &jet.boxes) > 0 {
-        let out = ledger.out();
-        let grains = out - avalanches.out_before;
-        avalanches.all.push(Avalanche { end_s: clock.time(), grains });
-        avalanches.kick_end = Some(clock.time() + jet.kick.duration.get());
-        avalanches.out_before = out;
+        avalanches.record(clock.time(), jet.kick.duration.get(), ledger.out());
     }
 }
 
@@ -105,18 +82,6 @@ fn push<V: Space>(jet: Res<Jet>, mut grains: Query<(&Position<V>, &Mass, &mut Fo
         if is_near(x.0.spread()) {
             force.0 += acceleration * mass.0;
         }
-    }
-}
-
-/// Refuses restored avalanches of more grains than are out.
-fn check_avalanches(world: &mut World) -> Result<(), Problem> {
-    let (Some(avalanches), Some(ledger)) = (world.get_resource::<Avalanches>(), world.get_resource::<Ledger>()) else {
-        return Ok(());
-    };
-    if avalanches.out_before <= ledger.out() {
-        Ok(())
-    } else {
-        Err("more grains left before a kick than are out".into())
     }
 }
 

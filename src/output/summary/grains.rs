@@ -9,8 +9,8 @@ use bevy_ecs::prelude::*;
 use serde::Serialize;
 
 use crate::door::DoorState;
-use crate::ending::EmptyTime;
-use crate::ending::stop::kick::{Avalanche, Avalanches};
+use crate::ending::regular::EmptyTime;
+use crate::ending::stop::avalanches::{Avalanche, Avalanches};
 use crate::energy::{Channels, EnergyFlows};
 use crate::grains::feed::FeedFigures;
 use crate::grains::spawner::ReleaseDelays;

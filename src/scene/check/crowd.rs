@@ -8,8 +8,9 @@
 //! * **`Centred`**: forces see the velocity v_p(n+1) = v_h + r dt a_n with r = beta/2, beta = (1 - q)/(1 + q), q = b dt
 //!   ([`siloflow_dem::contact::centred::velocity_prediction`]). b is the damping rate of one contact, along the normal for straight motions and along the tangent
 //!   or in rolling for turns. The drag of other contacts lags, so the prediction is not implicit for them. Normal springs follow the
-//!   positions. The others follow the positions too, k_n then being the sum of all springs and k_t = 0, or the predicted velocities by
-//!   the trapezoidal rule, s_(n+1) - s_n = dt (v_p(n+1) + v_p(n))/2: see [`siloflow_dem::contact::centred::velocity_prediction`]. The motion x_n = lambda^n has
+//!   positions. Tangential, rolling and twisting springs have two forms ([`siloflow_dem::contact::centred`]). In the first they follow
+//!   the positions too; then k_n is the sum of all springs, and k_t = 0. In the second they follow the predicted velocities by the
+//!   trapezoidal rule, s_(n+1) - s_n = dt (v_p(n+1) + v_p(n))/2. The motion x_n = lambda^n has
 //!
 //!   lambda (lambda - 1)^2 + k_n lambda^2 + (k_t (lambda + 1)/2 + c (lambda - 1)) ((1 + r) lambda - r) = 0.
 //!
@@ -18,12 +19,12 @@
 //!
 //!   k_n + 2 c (1 + 2 r) < 4 (from lambda = -1) and 1 - a_0^2 > |a_0 a_2 - a_1|.
 //!
-//!   Where the first holds, the second does too: always if k_t = 0, and for springs that follow predicted velocities if c >= k_t, the
-//!   condition under which they are used. `tests/physics/growth.rs` shows this by the eigenvalues of grains that move and turn between
-//!   one to twelve others.
+//!   The second condition follows from the first if k_t = 0, and for springs that follow predicted velocities if c >= k_t. Springs follow
+//!   predicted velocities only then. `tests/physics/growth.rs` shows this by the eigenvalues of grains that move and turn between one to
+//!   twelve others.
 //!
 //! So with strong drag `Centred` needs shorter steps than `Verlet` in a crowd, down to half where drag decides. For a single contact
-//! it allows longer steps, because it then includes the change of the spring force.
+//! `Centred` allows longer steps, because it includes the change of the spring force.
 
 use crate::scene::check::step::limit;
 use siloflow_dem::contact::centred::velocity_prediction::prediction_share;

@@ -117,6 +117,17 @@ impl Estimates {
     }
 }
 
+impl Loaded {
+    /// The time step, s. Without grains an automatic step is `until`.
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        match self.scene.step {
+            TimeStep::Fixed(dt) => dt.get(),
+            TimeStep::Auto { .. } => Estimates::of(self).map_or(self.scene.until.get(), |estimates| estimates.dt),
+        }
+    }
+}
+
 /// The pair whose single normal contact has the lowest stability limit, and that limit, s. Beyond it the contact is
 /// unstable whatever surrounds it. An unstable tangential or rolling motion is bounded by its cap.
 #[must_use]

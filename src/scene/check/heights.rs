@@ -1,7 +1,7 @@
 //! Whether gravity points along the axis of heights. Heights are coordinates on the last axis, y in the plane and z in solid space, whatever
 //! gravity does. On an incline they may be tilted, so a warning begins at [`STEEP`].
 
-use crate::ending::stop::StopCondition;
+use crate::ending::stop::conditions::StopCondition;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Solid, Space as _};
 use siloflow_dem::walls::config::Wall;

@@ -21,7 +21,7 @@ pub mod automatic;
 mod bed;
 pub mod crowd;
 mod doors;
-mod estimates;
+pub mod estimates;
 mod falling;
 mod heights;
 pub mod leaks;

@@ -1,6 +1,6 @@
 //! Warnings about sources of grains that cannot keep their rate, and about ends of a run that wait for more grains than there are.
 
-use crate::ending::stop::StopCondition;
+use crate::ending::stop::conditions::StopCondition;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use siloflow_text::fault::Warning;

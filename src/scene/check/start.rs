@@ -8,8 +8,8 @@ mod stability;
 
 use rustc_hash::FxHashMap;
 
-use crate::ending::watchdog::LARGE_OVERLAP;
-use crate::scene::check::Estimates;
+use crate::ending::watchdog::overlap::LARGE_OVERLAP;
+use crate::scene::check::estimates::Estimates;
 use crate::scene::check::species_pairs;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;

@@ -24,8 +24,8 @@ pub struct StartState {
 }
 
 /// Loads a scene of grains that starts with the grains and contacts of another run. They replace the scene's own grains at the start;
-/// fixed grains of `fill` stay. What the scene has no place for is left out, with a note: contacts with walls that it lacks, and spins if its
-/// grains do not spin. `note` is a comment for the scene's text.
+/// fixed grains of `fill` stay. Contacts with walls that the scene lacks are left out, with a note, and so are spins if its grains do not
+/// spin. `note` is a comment for the scene's text.
 ///
 /// # Errors
 /// Like [`load`](super::load); also if the other run has another space.

@@ -1,6 +1,6 @@
 //! Rules on holes and patches of walls.
 
-use super::{has_no_direction, is_oblique};
+use super::directions::{has_no_direction, is_oblique};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Solid;
 use siloflow_dem::walls::config::cut::Cut;

@@ -2,7 +2,7 @@
 
 use crate::door::{DoorControl, DoorMotion, DoorOpens};
 use crate::scene::loaded::Loaded;
-use crate::scene::rules::has_no_direction;
+use crate::scene::rules::directions::has_no_direction;
 use siloflow_dem::values::NonNegative;
 use siloflow_text::fault::Fault;
 

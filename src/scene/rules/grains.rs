@@ -7,7 +7,7 @@ use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
 use crate::scene::expected::BYTES_PER_GRAIN;
 use crate::scene::loaded::Loaded;
-use crate::scene::rules::is_box;
+use crate::scene::rules::directions::is_box;
 use crate::writers::memory::available_memory;
 use siloflow_dem::particle::GrainId;
 use siloflow_text::fault::Fault;
@@ -77,6 +77,7 @@ fn placement(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
 fn memory(loaded: &Loaded, grains: usize) -> Result<(), Fault> {
     #[expect(clippy::cast_precision_loss, reason = "a number of grains and of bytes")]
     let needed = grains as f64 * BYTES_PER_GRAIN;
+    #[expect(clippy::cast_precision_loss, reason = "a rounded result suffices")]
     let available = available_memory().map_or(f64::INFINITY, |bytes| bytes as f64);
     if needed <= available {
         return Ok(());

@@ -2,6 +2,7 @@
 
 mod contacts;
 mod cuts;
+mod directions;
 mod doors;
 mod fields;
 mod grains;
@@ -17,6 +18,7 @@ pub use self::grains::fill;
 pub use self::space::space;
 
 use self::contacts::contacts;
+use self::directions::{has_no_direction, is_box, is_oblique};
 use self::grains::{feed, ids, spawner};
 use crate::scene::check;
 use crate::scene::loaded::Loaded;
@@ -25,7 +27,6 @@ use siloflow_dem::contact::Contact;
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::neighbours::Neighbours;
 use siloflow_dem::space::Solid;
-use siloflow_dem::values::FiniteVector;
 use siloflow_text::fault::Fault;
 
 /// Checks a scene whose files have been read.
@@ -163,16 +164,6 @@ fn periodic(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a vector is zero, or its square under- or overflows.
-fn has_no_direction(v: Solid) -> bool {
-    !v.length_squared().is_normal()
-}
-
-/// Whether the angle of two vectors differs from a right angle by more than rounding.
-fn is_oblique(a: Solid, b: Solid) -> bool {
-    a.dot(b).abs() > 1e-9 * a.length() * b.length()
-}
-
 fn rest(loaded: &Loaded) -> Result<(), Fault> {
     let Scene { rest, gravity, .. } = &loaded.scene;
     if rest.is_some() && gravity.padded() == Solid::ZERO {
@@ -228,11 +219,6 @@ fn cells(loaded: &Loaded) -> Result<(), Fault> {
             .help(format!("give at least {needed} m, the sum of the two largest radii that can meet")));
     }
     Ok(())
-}
-
-/// Whether the first corner is below the second along every axis.
-fn is_box(low: FiniteVector, high: FiniteVector) -> bool {
-    (0..low.count()).all(|axis| low.padded()[axis] < high.padded()[axis])
 }
 
 fn view_and_bed(loaded: &Loaded) -> Result<(), Fault> {

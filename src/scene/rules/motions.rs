@@ -1,7 +1,7 @@
 //! Rules on `motions`: each moves walls that exist, that nothing else moves.
 
 use crate::scene::loaded::Loaded;
-use crate::scene::rules::has_no_direction;
+use crate::scene::rules::directions::has_no_direction;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::NonNegative;
 use siloflow_dem::walls::motion::Motion;

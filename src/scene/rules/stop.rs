@@ -1,6 +1,6 @@
 //! Rules on `stop`: a condition must be able to hold.
 
-use crate::ending::stop::StopCondition;
+use crate::ending::stop::conditions::StopCondition;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Solid;
 use siloflow_text::fault::Fault;

@@ -16,7 +16,7 @@ use siloflow_lattice::rules::Walls;
 
 /// The result of testing a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ClaimVerdict {
     /// The statement is true.
     Holds,
     /// The statement is false.
@@ -29,7 +29,7 @@ pub enum Verdict {
     NotMeasured,
 }
 
-impl Verdict {
+impl ClaimVerdict {
     /// Returns the verdict in words, as Markdown.
     #[must_use]
     pub fn word(self) -> &'static str {
@@ -199,7 +199,7 @@ pub struct Finding {
     /// The values that are compared.
     pub figures: String,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
 }
 
 /// Returns the quantity with a symbol; `None` if there is none.
@@ -225,8 +225,8 @@ impl Statement {
                 let statement = format!("{symbol}({one}) = {symbol}({other})");
                 compared(statement, mean(symbol, &one), mean(symbol, &other), |a, b| {
                     match larger((a.value - b.value).abs(), a.error.hypot(b.error)) {
-                        Verdict::Holds => Verdict::Fails,
-                        _ => Verdict::NoDifference,
+                        ClaimVerdict::Holds => ClaimVerdict::Fails,
+                        _ => ClaimVerdict::NoDifference,
                     }
                 })
             }
@@ -242,21 +242,26 @@ impl Statement {
 }
 
 /// Tests whether a difference with the standard error `error` is larger than zero.
-fn larger(difference: f64, error: f64) -> Verdict {
+fn larger(difference: f64, error: f64) -> ClaimVerdict {
     if difference.abs() < 2.0 * error {
-        Verdict::Unclear
+        ClaimVerdict::Unclear
     } else if difference > 0.0 {
-        Verdict::Holds
+        ClaimVerdict::Holds
     } else {
-        Verdict::Fails
+        ClaimVerdict::Fails
     }
 }
 
-/// Returns the finding for two values, or [`Verdict::NotMeasured`] if one of them is missing.
-fn compared(statement: String, a: Option<Mean>, b: Option<Mean>, judge: impl Fn(Mean, Mean) -> Verdict) -> Finding {
+/// Returns the finding for two values, or [`ClaimVerdict::NotMeasured`] if one of them is missing.
+fn compared(
+    statement: String,
+    a: Option<Mean>,
+    b: Option<Mean>,
+    judge: impl Fn(Mean, Mean) -> ClaimVerdict,
+) -> Finding {
     match a.zip(b) {
         Some((a, b)) => Finding { statement, figures: format!("{}; {}", shown(a), shown(b)), verdict: judge(a, b) },
-        None => Finding { statement, figures: String::new(), verdict: Verdict::NotMeasured },
+        None => Finding { statement, figures: String::new(), verdict: ClaimVerdict::NotMeasured },
     }
 }
 

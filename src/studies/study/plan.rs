@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::lattice_silo::door::DoorOpens;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::lattice_silo::scene::LatticeScene;
 use siloflow_lattice::rules::Walls;
 use siloflow_text::fault::Fault;
@@ -15,8 +15,8 @@ use siloflow_text::source::Source;
 
 /// The keys of a study file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Plan {
+#[serde(deny_unknown_fields, rename = "Plan")]
+pub struct StudyPlan {
     /// Scene file of each silo, by the name of the silo. Paths are relative to the directory of the study file.
     pub silos: BTreeMap<String, PathBuf>,
     /// Seeds of the replicas of each variant.
@@ -89,7 +89,7 @@ pub struct Case {
     scene: PathBuf,
 }
 
-impl Plan {
+impl StudyPlan {
     /// Reads a study file and returns the study and its cases. Loads each silo with each variant and the first seed, so
     /// that errors in scenes are reported before the first run.
     ///
@@ -119,7 +119,7 @@ impl Plan {
     }
 }
 
-impl Plan {
+impl StudyPlan {
     /// Checks the rules of a study file that do not need its scenes.
     fn check(&self, source: &Source, directory: &Path) -> Result<(), Fault> {
         let fault = |key: &str, message: &str, help: &str| Err(source.fault("study::plan", key, message).help(help));

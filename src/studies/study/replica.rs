@@ -6,7 +6,7 @@ use std::num::NonZeroUsize;
 use crate::behaviour::Registry;
 use crate::lattice_silo::door::DoorState;
 use crate::lattice_silo::observables::{BLOCK, Blocks, Frame, History, Observables};
-use crate::lattice_silo::pictures::{CELL, Cell, densities};
+use crate::lattice_silo::pictures::{CELL, DensityCell, densities};
 use crate::simulation::Simulation;
 use crate::studies::study::plan::Case;
 use siloflow_dem::outcome::End;
@@ -29,7 +29,7 @@ pub struct Replica {
     pub observables: Observables,
     /// Densities at the times of the pictures: (steps since the door opened, cells). Times after the end of the run are
     /// missing.
-    pub pictures: Vec<(u64, Vec<Cell>)>,
+    pub pictures: Vec<(u64, Vec<DensityCell>)>,
     /// Edges of the silo, m.
     pub lines: Vec<(Vector, Vector)>,
     /// Number of site updates: steps times fluid sites.
@@ -118,7 +118,7 @@ impl Replica {
         case: Case,
         counter: BlockCounter,
         mut frames: Vec<Frame>,
-        pictures: Vec<(u64, Vec<Cell>)>,
+        pictures: Vec<(u64, Vec<DensityCell>)>,
         simulation: &Simulation,
     ) -> Result<Self, Fault> {
         if frames.is_empty() {

@@ -4,15 +4,15 @@
 use std::fmt::Write as _;
 
 use crate::lattice_silo::observables::QUANTITIES;
-use crate::studies::study::claims::{CLAIMS, Verdict, quantity, shown};
+use crate::studies::study::claims::{CLAIMS, ClaimVerdict, quantity, shown};
 use crate::studies::study::figures::{self, Flights, Panel, SheetRow, sheet};
-use crate::studies::study::plan::{Plan, Variant};
+use crate::studies::study::plan::{StudyPlan, Variant};
 use crate::studies::study::results::Results;
 use siloflow_figures::statistics::mean::Mean;
 
 /// Returns the tables: (file name, content).
 #[must_use]
-pub fn tables(plan: &Plan, results: &Results, flights: &Flights) -> [(&'static str, String); 2] {
+pub fn tables(plan: &StudyPlan, results: &Results, flights: &Flights) -> [(&'static str, String); 2] {
     [("claims.md", claims(plan, results, flights)), ("figures.csv", values(results))]
 }
 
@@ -21,7 +21,7 @@ const ROWS: usize = 13;
 
 /// Returns the pictures: (name without extension, SVG document).
 #[must_use]
-pub fn pictures(plan: &Plan, results: &Results, flights: &Flights) -> Vec<(String, String)> {
+pub fn pictures(plan: &StudyPlan, results: &Results, flights: &Flights) -> Vec<(String, String)> {
     let mut all = vec![
         ("vectors".to_owned(), figures::vectors()),
         ("resultants".to_owned(), figures::resultants()),
@@ -38,7 +38,7 @@ pub fn pictures(plan: &Plan, results: &Results, flights: &Flights) -> Vec<(Strin
 }
 
 /// Returns a row of pictures for each variant, from its first seed.
-fn rows(plan: &Plan, results: &Results, silo: &str) -> Vec<SheetRow> {
+fn rows(plan: &StudyPlan, results: &Results, silo: &str) -> Vec<SheetRow> {
     let of = |variant: &Variant| results.0.iter().find(|one| one.case.silo == silo && one.case.variant == *variant);
     let row = |variant: &Variant| {
         let one = of(variant)?;
@@ -70,7 +70,7 @@ pub fn values(results: &Results) -> String {
 /// Returns the content of `claims.md`: the findings for all claims, in Markdown.
 // Writing to a string cannot fail.
 #[must_use]
-pub fn claims(plan: &Plan, results: &Results, flights: &Flights) -> String {
+pub fn claims(plan: &StudyPlan, results: &Results, flights: &Flights) -> String {
     let silos: Vec<&String> = plan.silos.keys().collect();
     let mut text = format!(
         "# Claims of the paper, tested\n\nEach value is the mean ± standard error over {} seeds. The base case has the \
@@ -99,7 +99,7 @@ fn silo_headers(silos: &[&String]) -> String {
 }
 
 /// Appends the shapes of the zones in all silos. The paper calls them similar.
-fn zone_shapes(plan: &Plan, silos: &[&String], results: &Results, text: &mut String) {
+fn zone_shapes(plan: &StudyPlan, silos: &[&String], results: &Results, text: &mut String) {
     let names: Vec<&str> = silos.iter().map(|silo| silo.as_str()).collect();
     text.push_str("\n## Dilatant zones have similar shapes in both silos (no verdict)\n\n");
     let _ = writeln!(text, "| variant | {} |\n|---|{}", names.join(" | "), "---|".repeat(silos.len()));
@@ -131,10 +131,10 @@ fn thrown_particles(flights: &Flights, text: &mut String) {
         let (exact, parabola) = flights.expected_heights(step);
         let verdict = match flights.len() {
             // A single particle has no standard error.
-            ..2 => Verdict::Unclear,
+            ..2 => ClaimVerdict::Unclear,
             // If all particles have the same height, it is the exact mean, to round-off.
-            _ if (mean.value - exact).abs() < (2.0 * mean.error).max(1e-9) => Verdict::NoDifference,
-            _ => Verdict::Fails,
+            _ if (mean.value - exact).abs() < (2.0 * mean.error).max(1e-9) => ClaimVerdict::NoDifference,
+            _ => ClaimVerdict::Fails,
         };
         let _ = writeln!(text, "| {step} | {} | {exact:.3} | {parabola:.3} | {} |", shown(mean), verdict.word());
     }

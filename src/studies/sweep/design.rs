@@ -6,7 +6,7 @@
 //! Numbers are rounded to twelve significant digits, so that the number in the table is the number of the scene.
 
 use crate::random::Stream;
-use crate::studies::sweep::plan::{Axis, Interval, LatinHypercube, Plan, Spacing};
+use crate::studies::sweep::plan::{Axis, Ends, Interval, LatinHypercube, Spacing, SweepPlan};
 
 /// A point: a value of each key.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub struct Point {
 
 /// Returns all points. The values of the last axis change fastest, and samples change before values.
 #[must_use]
-pub fn points(plan: &Plan) -> Vec<Point> {
+pub fn points(plan: &SweepPlan) -> Vec<Point> {
     let mut rows = vec![Vec::new()];
     let samples = plan.latin_hypercube.as_ref().map(samples);
     let columns = plan.axes.iter().map(|axis| values(axis).into_iter().map(|value| vec![value]).collect());
@@ -36,7 +36,7 @@ fn values(axis: &Axis) -> Vec<String> {
         Axis::Values { values, .. } => values.iter().map(|value| value.trim().get_ron().to_owned()).collect(),
         Axis::Range { from, to, count, spacing, .. } => {
             let last = real(count - 1);
-            (0..*count).map(|n| between((*from, *to), real(n) / last, *spacing)).collect()
+            (0..*count).map(|n| between(Ends { low: *from, high: *to }, real(n) / last, *spacing)).collect()
         }
     }
 }
@@ -59,12 +59,12 @@ fn column(cube: &LatinHypercube, key: u64, interval: &Interval) -> Vec<String> {
         parts.swap(last, other.min(last));
     }
     let place = |(sample, part): (usize, &usize)| (real(*part) + draws(sample)[1]) / real(cube.samples);
-    let range = (interval.low, interval.high);
+    let range = Ends { low: interval.low, high: interval.high };
     parts.iter().enumerate().map(|row| between(range, place(row), interval.spacing)).collect()
 }
 
 /// Returns the number at a share of the way between two others, as text.
-fn between((low, high): (f64, f64), share: f64, spacing: Spacing) -> String {
+fn between(Ends { low, high }: Ends, share: f64, spacing: Spacing) -> String {
     let number = match spacing {
         Spacing::Linear => low * (1.0 - share) + high * share,
         Spacing::Log => (low.ln() * (1.0 - share) + high.ln() * share).exp(),
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn points_are_all_combinations_in_the_order_of_the_file() {
-        let plan: Plan = siloflow_text::source::parse::parse(
+        let plan: SweepPlan = siloflow_text::source::parse::parse(
             "s.ron",
             r#"(scene: "a.ron", seeds: 2, figures: ["steps"], axes: [
                 Values(key: "a", values: [Fixed(0.1), "x"]), Range(key: "b", from: 1, to: 2, count: 2)])"#,

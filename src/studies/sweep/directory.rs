@@ -183,6 +183,14 @@ impl SweepDirectory {
         self.path.join(RUNS).join(sweep.run_name(task))
     }
 
+    /// Returns the fault of a run whose scene differs from that of the sweep in `key`.
+    #[must_use]
+    pub fn refuse(&self, sweep: &Sweep, task: Task, key: &str) -> Fault {
+        let message = format!("{} is a run of another scene: `{key}` differs", self.run(sweep, task).display());
+        Fault::new("sweep::other_scene", message)
+            .help("the scene has changed: give another directory with --out, or run such points again with --force")
+    }
+
     /// Returns the path of the log of a run.
     #[must_use]
     pub fn log_path(&self, sweep: &Sweep, task: Task) -> PathBuf {

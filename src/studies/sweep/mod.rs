@@ -33,12 +33,9 @@ use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
 use crate::studies::sweep::design::Point;
-use crate::studies::sweep::plan::Plan;
+use crate::studies::sweep::plan::SweepPlan;
 use siloflow_text::fault::{Fault, Warning};
 use siloflow_text::source::Source;
-
-/// Most runs of a sweep.
-pub const MOST_RUNS: usize = 100_000;
 
 /// A sweep file that has been read, with its points.
 #[derive(Debug)]
@@ -48,7 +45,7 @@ pub struct Sweep {
     /// The text of the sweep file.
     pub text: String,
     /// The content of the sweep file.
-    pub plan: Plan,
+    pub plan: SweepPlan,
     /// The path of the scene.
     pub scene: PathBuf,
     /// Keys of the scene that differ between points.
@@ -76,7 +73,7 @@ impl Sweep {
     pub fn read(path: &Path) -> Result<Self, Fault> {
         let mut source = plan::read_source(path)?;
         let text = source.text.clone();
-        let plan = Plan::parse(&mut source)?;
+        let plan = SweepPlan::parse(&mut source)?;
         let scene = path.parent().unwrap_or(Path::new("")).join(&plan.scene);
         let scene_text = Source::read(&scene)
             .map_err(|fault| {

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::studies::sweep::Sweep;
-use crate::studies::sweep::table::{Cell, TextColumn, csv, number};
+use crate::studies::sweep::plan::Ends;
+use crate::studies::sweep::table::{PointMean, TextColumn, csv, number};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::short;
 use siloflow_figures::statistics::fit::Fitted;
@@ -31,7 +32,7 @@ pub struct GroupFit {
 
 /// Returns the sheets: name of the key, SVG document.
 #[must_use]
-pub fn sheets(sweep: &Sweep, cells: &[Cell]) -> Vec<(String, String)> {
+pub fn sheets(sweep: &Sweep, cells: &[PointMean]) -> Vec<(String, String)> {
     let of_key = |(key, name): (usize, &String)| {
         let panels: Vec<_> = (0..sweep.plan.figures.len()).map(|figure| panel(sweep, cells, key, figure)).collect();
         (name.clone(), sheet(&panels, 2))
@@ -98,7 +99,7 @@ fn places(sweep: &Sweep, key: usize) -> (Vec<f64>, Axis) {
 
 /// Returns the fit of each group that has one. It is a fit of the sweep's figure against its key.
 #[must_use]
-pub fn fits(sweep: &Sweep, cells: &[Cell]) -> Vec<GroupFit> {
+pub fn fits(sweep: &Sweep, cells: &[PointMean]) -> Vec<GroupFit> {
     let Some(plan) = &sweep.plan.fit else { return Vec::new() };
     let key = sweep.keys.iter().position(|key| *key == plan.against);
     let figure = sweep.plan.figures.iter().position(|figure| *figure == plan.figure);
@@ -147,16 +148,17 @@ pub fn fit_in_words(fit: &GroupFit) -> String {
 }
 
 /// Returns the panel of a figure against the key with this number.
-fn panel(sweep: &Sweep, cells: &[Cell], key: usize, figure: usize) -> Panel {
+fn panel(sweep: &Sweep, cells: &[PointMean], key: usize, figure: usize) -> Panel {
     let (place, axis) = places(sweep, key);
     let groups = groups(sweep, key);
     let name = &sweep.plan.figures[figure];
     let is_fitted = sweep.plan.fit.as_ref().is_some_and(|fit| fit.figure == *name && fit.against == sweep.keys[key]);
     let fits = if is_fitted { fits(sweep, cells) } else { Vec::new() };
     let ends = |points: &[usize]| {
-        points
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &n| (low.min(place[n]), high.max(place[n])))
+        points.iter().fold(Ends { low: f64::INFINITY, high: f64::NEG_INFINITY }, |Ends { low, high }, &n| Ends {
+            low: low.min(place[n]),
+            high: high.max(place[n]),
+        })
     };
     let mut curves = Vec::new();
     for (number, (group, points)) in groups.iter().enumerate() {
@@ -180,7 +182,7 @@ fn panel(sweep: &Sweep, cells: &[Cell], key: usize, figure: usize) -> Panel {
 }
 
 /// Returns the curve of a fit between two places, or from the place where its law begins, if the axis, which begins at `first`, has it.
-fn curve_of(fit: &GroupFit, (low, high): (f64, f64), first: f64, colour: &'static str) -> Curve {
+fn curve_of(fit: &GroupFit, Ends { low, high }: Ends, first: f64, colour: &'static str) -> Curve {
     let low = fit.fitted.start().filter(|start| (first..low).contains(start)).unwrap_or(low);
     let place = |n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS);
     let points = (0..=FIT_POINTS).map(place).filter_map(|x| Some((x, fit.fitted.at(x)?))).collect();

@@ -10,16 +10,18 @@ use ron::value::RawValue;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::studies::sweep::MOST_RUNS;
 use siloflow_figures::statistics::fit::Law;
 use siloflow_text::fault::Fault;
 use siloflow_text::file;
 use siloflow_text::source::Source;
 
+/// Most runs of a sweep.
+pub const MOST_RUNS: usize = 100_000;
+
 /// The keys of a sweep file.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Plan {
+#[serde(deny_unknown_fields, rename = "Plan")]
+pub struct SweepPlan {
     /// The scene. Its path is relative to the directory of the sweep file.
     pub scene: PathBuf,
     /// Keys of the scene that have one value in all runs.
@@ -199,7 +201,7 @@ pub(super) fn read_source(path: &Path) -> Result<Source, Fault> {
     Ok(source)
 }
 
-impl Plan {
+impl SweepPlan {
     /// Parses a sweep file and checks its rules.
     pub(super) fn parse(source: &mut Source) -> Result<Self, Fault> {
         let plan: Self = source.parse(&[])?;
@@ -249,7 +251,7 @@ impl Plan {
                             "for example `count: 5`",
                         );
                     }
-                    check_range(source, (*from, *to), *spacing, &place("from"))?;
+                    check_range(source, Ends { low: *from, high: *to }, *spacing, &place("from"))?;
                 }
             }
         }
@@ -265,7 +267,7 @@ impl Plan {
                 .help("for example `(samples: 20, keys: [(key: \"gravity.1\", low: -10.0, high: -9.0)])`"));
         }
         for (n, Interval { low, high, spacing, .. }) in cube.keys.iter().enumerate() {
-            check_range(source, (*low, *high), *spacing, &format!("latin_hypercube.keys[{n}].low"))?;
+            check_range(source, Ends { low: *low, high: *high }, *spacing, &format!("latin_hypercube.keys[{n}].low"))?;
         }
         Ok(())
     }
@@ -346,8 +348,15 @@ impl Plan {
     }
 }
 
+/// The ends of a range.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    pub low: f64,
+    pub high: f64,
+}
+
 /// Checks the ends of a range.
-fn check_range(source: &Source, (low, high): (f64, f64), spacing: Spacing, key: &str) -> Result<(), Fault> {
+fn check_range(source: &Source, Ends { low, high }: Ends, spacing: Spacing, key: &str) -> Result<(), Fault> {
     let message = if !(low.is_finite() && high.is_finite()) {
         "the ends of a range must be finite"
     } else if low >= high {

@@ -10,7 +10,7 @@ use siloflow_figures::statistics::mean::Mean;
 
 /// A run as the tables need it.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct RunRow {
     /// The run.
     pub task: Task,
     /// Status; `missing` without an end.
@@ -21,7 +21,7 @@ pub struct Row {
     pub figures: Vec<Option<String>>,
 }
 
-impl Row {
+impl RunRow {
     /// Returns the row of a run; without a summary the run is missing.
     #[must_use]
     pub fn of(sweep: &Sweep, task: Task, summary: Option<&Value>) -> Self {
@@ -49,7 +49,7 @@ impl Row {
 
 /// The mean of a figure at a point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
+pub struct PointMean {
     /// Index of the point.
     pub point: usize,
     /// Index of the figure.
@@ -64,7 +64,7 @@ pub struct Cell {
 
 /// Returns the means of all figures at all points.
 #[must_use]
-pub fn cells(sweep: &Sweep, rows: &[Row]) -> Vec<Cell> {
+pub fn cells(sweep: &Sweep, rows: &[RunRow]) -> Vec<PointMean> {
     let mut all = Vec::new();
     for point in 0..sweep.points.len() {
         for figure in 0..sweep.plan.figures.len() {
@@ -72,7 +72,7 @@ pub fn cells(sweep: &Sweep, rows: &[Row]) -> Vec<Cell> {
             let values: Vec<f64> = runs.filter_map(|row| row.figures[figure].as_ref()?.parse().ok()).collect();
             let mean = Mean::of(&values);
             let error = mean.filter(|_| values.len() > 1).map(|mean| mean.error);
-            all.push(Cell { point, figure, mean: mean.map(|mean| mean.value), error, count: values.len() });
+            all.push(PointMean { point, figure, mean: mean.map(|mean| mean.value), error, count: values.len() });
         }
     }
     all
@@ -107,38 +107,38 @@ pub(super) fn number(x: Option<f64>) -> String {
 
 /// Returns `results.csv`.
 #[must_use]
-pub fn results(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
+pub fn results(sweep: &Sweep, rows: &[RunRow]) -> Vec<u8> {
     let mut columns = vec![
-        TextColumn::new("run", |row: &Row| sweep.run_name(row.task)),
-        TextColumn::new("point", |row: &Row| (row.task.point + 1).to_string()),
-        TextColumn::new("seed", |row: &Row| row.task.seed.to_string()),
+        TextColumn::new("run", |row: &RunRow| sweep.run_name(row.task)),
+        TextColumn::new("point", |row: &RunRow| (row.task.point + 1).to_string()),
+        TextColumn::new("seed", |row: &RunRow| row.task.seed.to_string()),
     ];
-    columns.extend(keys(sweep, |row: &Row| row.task.point));
-    columns.push(TextColumn::new("status", |row: &Row| row.status.clone()));
-    columns.push(TextColumn::new("failure", |row: &Row| row.failure.clone()));
+    columns.extend(keys(sweep, |row: &RunRow| row.task.point));
+    columns.push(TextColumn::new("status", |row: &RunRow| row.status.clone()));
+    columns.push(TextColumn::new("failure", |row: &RunRow| row.failure.clone()));
     columns.extend(sweep.plan.figures.iter().enumerate().map(|(place, figure)| {
-        TextColumn::new(figure, move |row: &Row| row.figures[place].clone().unwrap_or_default())
+        TextColumn::new(figure, move |row: &RunRow| row.figures[place].clone().unwrap_or_default())
     }));
     csv(&columns, rows)
 }
 
 /// Returns `table.csv`.
 #[must_use]
-pub fn table(sweep: &Sweep, rows: &[Row]) -> Vec<u8> {
-    let count = |cell: &Cell, is_counted: fn(&Row) -> bool| {
+pub fn table(sweep: &Sweep, rows: &[RunRow]) -> Vec<u8> {
+    let count = |cell: &PointMean, is_counted: fn(&RunRow) -> bool| {
         let of_point = rows.iter().filter(|row| row.task.point == cell.point);
         of_point.filter(|row| is_counted(row)).count().to_string()
     };
-    let mut columns = vec![TextColumn::new("point", |cell: &Cell| (cell.point + 1).to_string())];
-    columns.extend(keys(sweep, |cell: &Cell| cell.point));
+    let mut columns = vec![TextColumn::new("point", |cell: &PointMean| (cell.point + 1).to_string())];
+    columns.extend(keys(sweep, |cell: &PointMean| cell.point));
     columns.extend([
-        TextColumn::new("figure", |cell: &Cell| sweep.plan.figures[cell.figure].clone()),
-        TextColumn::new("mean", |cell: &Cell| number(cell.mean)),
-        TextColumn::new("standard_error", |cell: &Cell| number(cell.error)),
-        TextColumn::new("n", |cell: &Cell| cell.count.to_string()),
-        TextColumn::new("clogged", |cell: &Cell| count(cell, |row| row.status == "clogged")),
-        TextColumn::new("failed", |cell: &Cell| count(cell, Row::is_failure)),
-        TextColumn::new("missing", |cell: &Cell| count(cell, Row::is_missing)),
+        TextColumn::new("figure", |cell: &PointMean| sweep.plan.figures[cell.figure].clone()),
+        TextColumn::new("mean", |cell: &PointMean| number(cell.mean)),
+        TextColumn::new("standard_error", |cell: &PointMean| number(cell.error)),
+        TextColumn::new("n", |cell: &PointMean| cell.count.to_string()),
+        TextColumn::new("clogged", |cell: &PointMean| count(cell, |row| row.status == "clogged")),
+        TextColumn::new("failed", |cell: &PointMean| count(cell, RunRow::is_failure)),
+        TextColumn::new("missing", |cell: &PointMean| count(cell, RunRow::is_missing)),
     ]);
     csv(&columns, &cells(sweep, rows))
 }

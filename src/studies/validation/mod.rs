@@ -23,11 +23,9 @@ pub mod verdict;
 use std::io;
 use std::path::Path;
 
-use crate::studies::validation::cases::CASES;
 use crate::studies::validation::runs::Studies;
 use crate::studies::validation::verdict::Judgement;
 use siloflow_text::fault::Fault;
-use siloflow_text::suggestion::did_you_mean;
 
 /// A validation case.
 #[derive(Debug)]
@@ -76,18 +74,6 @@ impl Case {
             Form::Short => self.short,
             Form::Full => self.full,
         }
-    }
-
-    /// Returns the case of this name.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn named(name: &str) -> Result<&'static Self, Fault> {
-        CASES.into_iter().find(|case| case.name == name).ok_or_else(|| {
-            let names: Vec<_> = CASES.iter().map(|case| case.name).collect();
-            Fault::new("validate::unknown_case", format!("there is no case `{name}`"))
-                .help(did_you_mean("cases", name, &names))
-        })
     }
 }
 

@@ -13,7 +13,7 @@ use siloflow_text::fault::Fault;
 
 /// A run that is over.
 #[derive(Debug)]
-pub struct Run {
+pub struct FinishedRun {
     /// Keys of the sweep's axes, and their values as RON.
     pub values: BTreeMap<String, String>,
     /// Seed.
@@ -22,7 +22,7 @@ pub struct Run {
     pub files: RunResults,
 }
 
-impl Run {
+impl FinishedRun {
     /// Returns a number of the summary, for example `discharge.rate_per_s`. A clogged run has no rates, and a failed run no numbers.
     #[must_use]
     pub fn number(&self, path: &str) -> Option<f64> {
@@ -67,7 +67,7 @@ impl Run {
     /// Returns the slope of a straight line through the discharge between two times after the opening (s), grains/s; NaN without two rows.
     ///
     /// # Errors
-    /// As [`Run::discharge`].
+    /// As [`FinishedRun::discharge`].
     pub fn rate(&self, from: f64, to: f64) -> Result<f64, Fault> {
         Ok(slope(&between(&self.discharge()?, from, to)).unwrap_or(f64::NAN))
     }
@@ -82,7 +82,7 @@ impl Run {
 /// The runs of all sweep files of a form.
 #[derive(Debug, Default)]
 pub struct Studies {
-    sweeps: Vec<(&'static str, Vec<Run>)>,
+    sweeps: Vec<(&'static str, Vec<FinishedRun>)>,
 }
 
 impl Studies {
@@ -97,7 +97,7 @@ impl Studies {
             let files = RunResults::open(&directory.run(sweep, task))?;
             let keys = sweep.keys.iter().cloned();
             let values = keys.zip(sweep.points[task.point].values.iter().cloned()).collect();
-            let run = Run { values, seed: task.seed, files };
+            let run = FinishedRun { values, seed: task.seed, files };
             if is_failure(run.status()) {
                 failed.push(task);
             } else {
@@ -110,18 +110,18 @@ impl Studies {
 
     /// Returns the runs of a sweep file; none if it is not of this form.
     #[must_use]
-    pub fn runs(&self, sweep: &str) -> &[Run] {
+    pub fn runs(&self, sweep: &str) -> &[FinishedRun] {
         self.sweeps.iter().find(|(name, _)| *name == sweep).map_or(&[], |(_, runs)| runs)
     }
 
     /// Returns the runs of all sweep files, in their order.
-    pub fn all(&self) -> impl Iterator<Item = &Run> {
+    pub fn all(&self) -> impl Iterator<Item = &FinishedRun> {
         self.sweeps.iter().flat_map(|(_, runs)| runs)
     }
 
     /// Returns the runs of the first sweep file of this form among `sweeps`.
     #[must_use]
-    pub fn first_of(&self, sweeps: &[&str]) -> &[Run] {
+    pub fn first_of(&self, sweeps: &[&str]) -> &[FinishedRun] {
         let mut found = self.sweeps.iter().filter(|(name, _)| sweeps.contains(name));
         found.next().map_or(&[], |(_, runs)| runs)
     }
@@ -135,7 +135,7 @@ impl Studies {
     /// Returns the time of all runs on their cores, s.
     #[must_use]
     pub fn seconds(&self) -> f64 {
-        self.all().map(Run::seconds).sum()
+        self.all().map(FinishedRun::seconds).sum()
     }
 }
 

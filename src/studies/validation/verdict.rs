@@ -43,7 +43,7 @@ impl Verdict {
 
 /// A row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct FigureRow {
     /// The quantity.
     pub quantity: String,
     /// Its unit; empty for a pure number.
@@ -62,7 +62,7 @@ pub struct Row {
     pub remark: String,
 }
 
-impl Row {
+impl FigureRow {
     /// Returns a row without a rule.
     #[must_use]
     pub fn new(quantity: impl Into<String>, unit: &'static str, found: f64) -> Self {
@@ -173,7 +173,7 @@ pub struct Picture {
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
     /// Rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<FigureRow>,
     /// Figures.
     pub pictures: Vec<Picture>,
     /// Paragraphs below the rows: differences from the publication, and what was tried to explain a miss.
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_figure_beyond_its_rule_or_without_a_number_misses() {
-        let row = |found: f64, rule| Row::new("q", "m", found).published(100.0, rule).verdict();
+        let row = |found: f64, rule| FigureRow::new("q", "m", found).published(100.0, rule).verdict();
         for (rule, inside, outside) in [
             (Rule::Within(0.05), [95.1, 104.9], [94.9, 105.1]),
             (Rule::WithinAbsolute(2.0), [98.1, 101.9], [97.9, 102.1]),
@@ -211,12 +211,12 @@ mod tests {
             assert_eq!(row(f64::NAN, rule), Verdict::Miss);
         }
         assert_eq!(row(f64::NAN, Rule::Reported), Verdict::Reported);
-        assert_eq!(Row::new("q", "", 1.0).rule(Rule::Within(0.5)).verdict(), Verdict::Miss);
+        assert_eq!(FigureRow::new("q", "", 1.0).rule(Rule::Within(0.5)).verdict(), Verdict::Miss);
     }
 
     #[test]
     fn rows_are_written_with_the_digits_that_their_errors_leave() {
-        let row = Row::new("q", "g/s", 82.345).published(82.3, Rule::Within(0.05)).error(Some(0.123));
+        let row = FigureRow::new("q", "g/s", 82.345).published(82.3, Rule::Within(0.05)).error(Some(0.123));
         assert_eq!((row.found_in_words(), row.rule_in_words()), ("82.34 ± 0.12".to_owned(), "within 5 %".to_owned()));
         assert_eq!(row.rule(Rule::Between(1.5, 10.0)).rule_in_words(), "1.5 to 10 g/s");
     }

@@ -49,7 +49,7 @@ enum Segment {
 }
 
 impl Segment {
-    /// Returns the text of the segment, as it continues the path of a parent that is the whole scene or not.
+    /// Returns the text that the segment adds to the path of its parent: a key has a dot before it, unless the parent is the whole scene.
     fn text(&self, parent_is_whole: bool) -> String {
         match self {
             Self::Whole => String::new(),

@@ -1,4 +1,5 @@
-//! A dense bed of 400 grains of silo1 falls on a floor, with the assignment's contact law.
+//! A dense bed of 400 grains of silo1 falls on a floor, with the contact law of the course assignment
+//! ([`siloflow_dem::contact::assignment`]).
 //!
 //! The error is the rms position error after 12 contact durations. Over longer times chaotic motion would dominate it.
 
@@ -7,7 +8,7 @@ use glam::DVec2;
 use super::super::case::{Case, Measure, Truth, disc};
 use super::super::reference::closed::duration;
 use super::super::reference::{Law, System};
-use super::draw;
+use super::draw::draw;
 use super::gas::walls;
 
 const SIDE: u32 = 20;

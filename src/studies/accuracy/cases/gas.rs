@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::super::case::{Case, Measure, Truth, disc, linear};
 use super::super::reference::closed::duration;
 use super::super::reference::{Floor, System};
-use super::draw;
+use super::draw::draw;
 
 const SIDE: u32 = 10;
 

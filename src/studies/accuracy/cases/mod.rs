@@ -4,6 +4,7 @@ mod bed;
 mod bounce;
 mod chain;
 mod column;
+mod draw;
 mod free_flight;
 mod gas;
 mod oblique;
@@ -13,17 +14,6 @@ mod vibrating_floor;
 
 pub use self::bed::bed;
 use super::case::Case;
-
-/// Returns the next pseudo-random number in [0, 1) and advances `state`.
-///
-/// The sequence is the same on every machine: the upper 53 bits of a 64-bit linear congruential generator with Knuth's
-/// constants.
-fn draw(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-    let fraction = (*state >> 11) as f64 / (1u64 << 53) as f64;
-    fraction
-}
 
 /// Returns all cases in the order of the report.
 #[must_use]

@@ -15,7 +15,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use self::observe::{Observed, run};
+use self::observe::{Observed, Rung, run};
 use self::report::Study;
 use crate::behaviour::Registry;
 use crate::scene::check;
@@ -42,18 +42,6 @@ pub struct Question<'a> {
     pub quick: bool,
     /// Behaviours that scenes may use.
     pub registry: &'a Registry,
-}
-
-/// One step of the ladder.
-pub struct Rung {
-    /// Step in units of the scene's own step.
-    pub factor: f64,
-    /// Step, s.
-    pub step: f64,
-    /// Result of each seed.
-    pub runs: Vec<Observed>,
-    /// Reason why the step was not run: the error or the warning of the scene check.
-    pub refusal: Option<String>,
 }
 
 impl Question<'_> {

@@ -55,6 +55,18 @@ pub struct Observed {
     pub ns_per_particle_step: f64,
 }
 
+/// One step of the ladder.
+pub struct Rung {
+    /// Step in units of the scene's own step.
+    pub factor: f64,
+    /// Step, s.
+    pub step: f64,
+    /// Result of each seed.
+    pub runs: Vec<Observed>,
+    /// Reason why the step was not run: the error or the warning of the scene check.
+    pub refusal: Option<String>,
+}
+
 /// Runs a scene to its end on one thread, without writing files.
 ///
 /// # Errors

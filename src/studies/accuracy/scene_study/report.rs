@@ -8,8 +8,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::Rung;
-use super::observe::{Kind, OBSERVABLES};
+use super::observe::{Kind, OBSERVABLES, Rung};
 use super::verdict::{MeanOfRuns, Standing};
 use siloflow_figures::statistics::mean::median;
 

@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use crate::behaviour::Registry;
-use crate::lattice_silo::load::LoadedLattice;
+use crate::lattice_silo::loaded::LoadedLattice;
 use crate::simulation::Simulation;
 use siloflow_dem::space::Vector;
 use siloflow_lattice::gas::Gas;

@@ -9,7 +9,7 @@
 
 use std::fmt::Write as _;
 
-use crate::lattice_silo::pictures::{Cell, grey};
+use crate::lattice_silo::pictures::{DensityCell, grey};
 use siloflow_figures::colour::Rgb;
 
 /// Number of grey levels.
@@ -35,7 +35,7 @@ struct Stroke(u8, i32, i32, i32);
 
 /// Returns an SVG path for each grey level except white, lightest first. The paths are in units of cells, from the
 /// lower left corner of the first cell.
-pub(super) fn paths(cells: &[Cell]) -> Vec<(u8, String)> {
+pub(super) fn paths(cells: &[DensityCell]) -> Vec<(u8, String)> {
     let mut paths = vec![String::new(); usize::from(LEVELS)];
     // End point of each path so far.
     let mut ends = [(0, 0); LEVELS as usize];
@@ -54,9 +54,9 @@ pub(super) fn paths(cells: &[Cell]) -> Vec<(u8, String)> {
 
 /// Returns column, row and grey level of each cell, sorted by column and row.
 #[expect(clippy::cast_possible_truncation, reason = "numbers of cells")]
-fn grid(cells: &[Cell]) -> Vec<(i32, i32, u8)> {
+fn grid(cells: &[DensityCell]) -> Vec<(i32, i32, u8)> {
     let Some(first) = cells.first() else { return Vec::new() };
-    let place = |cell: &Cell| ((cell.low - first.low) / (first.high - first.low)).round();
+    let place = |cell: &DensityCell| ((cell.low - first.low) / (first.high - first.low)).round();
     let mut grid: Vec<_> =
         cells.iter().map(|cell| (place(cell).x as i32, place(cell).y as i32, level(cell.density))).collect();
     grid.sort_unstable();

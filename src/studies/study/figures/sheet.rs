@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::paper::{Anchor, INK, Paper, Pen};
 use super::shading::{LEVELS, paths, shade};
-use crate::lattice_silo::pictures::Cell;
+use crate::lattice_silo::pictures::DensityCell;
 use siloflow_dem::space::Vector;
 use siloflow_figures::colour::hex;
 
@@ -29,7 +29,7 @@ pub struct SheetRow {
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// Density cells, all of equal size and on one grid.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<DensityCell>,
     /// Lines of the outline of the silo, m.
     pub lines: Vec<(Vector, Vector)>,
 }

@@ -43,12 +43,23 @@ pub fn thrown(flights: &Flights) -> String {
     Symbol::LastExact.put(&mut paper, plot.at(arc[parabola_holds_until(g, EXACT)]));
     Symbol::Start.put(&mut paper, plot.at(Vector::ZERO));
     paper.text(plot.at(arc[arc.len() - 1]) + Vector::new(0.0, -14.0), 20.0, Anchor::Middle, "a");
-    legend(&mut paper, Vector::new(plot.corner().x + 24.0, 30.0), g, (shown.len(), flights.len()));
+    legend(
+        &mut paper,
+        Vector::new(plot.corner().x + 24.0, 30.0),
+        g,
+        Traces { shown: shown.len(), seeds: flights.len() },
+    );
     paper.finish()
 }
 
-/// Draws the legend from `at` downwards; `shown` traces are drawn for `seeds` particles.
-fn legend(paper: &mut Paper, mut at: Vector, g: f64, (shown, seeds): (usize, usize)) {
+/// Numbers of traces that are drawn, and of particles that are thrown.
+struct Traces {
+    shown: usize,
+    seeds: usize,
+}
+
+/// Draws the legend from `at` downwards.
+fn legend(paper: &mut Paper, mut at: Vector, g: f64, Traces { shown, seeds }: Traces) {
     let texts = [
         (Symbol::Line(Symbol::PARABOLA), "a: parabola 1.5 t - g t (t + 1)/2".to_owned()),
         (Symbol::None, format!("to t = {}, within {CLOSE} of the exact mean", parabola_holds_until(g, CLOSE))),

@@ -6,8 +6,8 @@
 //! The rate is the slope of a straight line through the rows of `series.csv` between 10 and 60 g. The curve is compared after a shift in time, because the
 //! published clock starts with the experiment: the shift is the one of least mean square.
 
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::mean::mean;
@@ -71,7 +71,7 @@ struct Discharge {
 }
 
 impl Discharge {
-    fn of(run: &Run, share: f64) -> Result<Self, Fault> {
+    fn of(run: &FinishedRun, share: f64) -> Result<Self, Fault> {
         let grams = run.files.series.needed("out_kg")?.into_iter().map(|kg| 1e3 * kg * share);
         let times = run.discharge()?;
         let skipped = run.files.series.len() - times.len();
@@ -121,14 +121,14 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
         }
         let all = runs.iter().map(|run| Discharge::of(run, share)).collect::<Result<Vec<_>, _>>()?;
         let mean = |of: fn(&Discharge) -> f64| mean(all.iter().map(of));
-        let rate = Row::of_mean(format!("{name}: rate between 10 and 60 g"), "g/s", mean(|it| it.rate));
+        let rate = FigureRow::of_mean(format!("{name}: rate between 10 and 60 g"), "g/s", mean(|it| it.rate));
         judgement.rows.push(rate.published(82.3, bound.map_or(Rule::Reported, Rule::Within)));
-        let rms = Row::of_mean(format!("{name}: rms of the curve after one shift"), "g", mean(|it| it.rms));
+        let rms = FigureRow::of_mean(format!("{name}: rms of the curve after one shift"), "g", mean(|it| it.rms));
         judgement.rows.push(rms.rule(most.map_or(Rule::Reported, |most| Rule::Between(0.0, most))));
         let last = |it: &Discharge| it.curve.last().map_or(f64::NAN, |(_, grams)| 99.9 - grams);
-        judgement
-            .rows
-            .push(Row::of_mean(format!("{name}: mass that stays"), "g", mean(last)).published(9.2, Rule::Reported));
+        judgement.rows.push(
+            FigureRow::of_mean(format!("{name}: mass that stays"), "g", mean(last)).published(9.2, Rule::Reported),
+        );
         let first = &all[0];
         let shifted: Vec<_> = first.curve.iter().map(|(time, grams)| (time - first.shift, *grams)).collect();
         let points = between(&shifted, 0.0, 2.5);

@@ -23,8 +23,8 @@ use self::bed::{Silo, density, rate};
 use self::heights::heights;
 use self::laws::{Laws, OFFSET};
 use crate::studies::validation::groups::{groups_by, mean_of};
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::sheet;
 use siloflow_figures::statistics::digits::short;
@@ -82,7 +82,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 }
 
 /// Adds the rows of a kind of orifice. `None` if too few widths have a rate.
-fn exponents(silo: Silo, runs: &[Run], judgement: &mut Judgement) -> Result<Option<Laws>, Fault> {
+fn exponents(silo: Silo, runs: &[FinishedRun], judgement: &mut Judgement) -> Result<Option<Laws>, Fault> {
     let name = silo.name();
     let power = silo.power();
     let clogged: Vec<_> = runs.iter().filter(|run| run.status() == "clogged").collect();
@@ -93,13 +93,13 @@ fn exponents(silo: Silo, runs: &[Run], judgement: &mut Judgement) -> Result<Opti
         let rates = flowing.iter().map(|run| rate(run)).collect::<Result<Vec<_>, _>>()?;
         points.extend(rates.iter().map(|rate| (*width, *rate)));
         if let Some(mean) = Mean::of(&rates) {
-            let row = Row::of_mean(format!("{name} of {width} d: rate"), "grains/s", Some(mean));
+            let row = FigureRow::of_mean(format!("{name} of {width} d: rate"), "grains/s", Some(mean));
             judgement.rows.push(row.remark(format!("runs: {}", rates.len())));
         }
     }
     if let Some((width, of_narrowest)) = widths.first() {
         let share = mean_of(of_narrowest.iter().copied(), |run| Some(f64::from(u8::from(run.status() == "clogged"))));
-        let row = Row::new(
+        let row = FigureRow::new(
             format!("{name} of {width} d: share of the runs that clog"),
             "",
             share.map_or(f64::NAN, |it| it.value),
@@ -115,34 +115,37 @@ fn exponents(silo: Silo, runs: &[Run], judgement: &mut Judgement) -> Result<Opti
     let scaled: Vec<_> = points.iter().map(|(width, rate)| (*width, rate / unit)).collect();
     let Some(laws) = Laws::fit(power, scaled) else { return Ok(None) };
     let [exponent, error] = [laws.exponent.values[1], laws.exponent.errors[1]];
-    let row = Row::new(format!("{name}: exponent of Beverloo's law at k = {OFFSET}"), "", exponent).error(Some(error));
+    let row =
+        FigureRow::new(format!("{name}: exponent of Beverloo's law at k = {OFFSET}"), "", exponent).error(Some(error));
     judgement.rows.push(row.published(power, Rule::WithinAbsolute(BOUND)).remark("k and bound are those of DIRT"));
     let [offset, exponent] = [1, 2].map(|i| (laws.free.values[i], laws.free.errors[i]));
-    let row = Row::new(format!("{name}: exponent of Beverloo's law, with C and k free"), "", exponent.0);
+    let row = FigureRow::new(format!("{name}: exponent of Beverloo's law, with C and k free"), "", exponent.0);
     let with = format!("with k {} ± {}: both numbers depend on each other", short(offset.0), short(offset.1));
     let row = row.error(Some(exponent.1)).published(power, Rule::WithinAbsolute(BOUND));
     judgement.rows.push(row.known_miss(with));
     let c = laws.beverloo.values[0].exp();
-    let row = Row::new(format!("{name}: C at an exponent of {power}"), "", c).error(Some(c * laws.beverloo.errors[0]));
+    let row =
+        FigureRow::new(format!("{name}: C at an exponent of {power}"), "", c).error(Some(c * laws.beverloo.errors[0]));
     judgement.rows.push(row.published(silo.constants().0, Rule::Reported));
-    let row = Row::new(format!("{name}: k at an exponent of {power}"), "", laws.beverloo.values[1]);
+    let row = FigureRow::new(format!("{name}: k at an exponent of {power}"), "", laws.beverloo.values[1]);
     judgement.rows.push(row.error(Some(laws.beverloo.errors[1])).published(1.4, Rule::Reported));
-    let row = Row::new(format!("{name}: rms deviation from Beverloo's law"), "%", 100.0 * laws.beverloo.rms);
+    let row = FigureRow::new(format!("{name}: rms deviation from Beverloo's law"), "%", 100.0 * laws.beverloo.rms);
     judgement.rows.push(row);
     if let Some(mankoc) = laws.mankoc {
-        let row = Row::new(format!("{name}: b of Mankoc's form"), "", mankoc.values[1]).error(Some(mankoc.errors[1]));
+        let row =
+            FigureRow::new(format!("{name}: b of Mankoc's form"), "", mankoc.values[1]).error(Some(mankoc.errors[1]));
         judgement.rows.push(row.published(silo.constants().1, Rule::Reported));
         let prefactor = mankoc.values[0].exp() * unit;
-        let row = Row::new(format!("{name}: C' of Mankoc's form"), "grains/s", prefactor);
+        let row = FigureRow::new(format!("{name}: C' of Mankoc's form"), "grains/s", prefactor);
         judgement.rows.push(row.error(Some(prefactor * mankoc.errors[0])));
-        let row = Row::new(format!("{name}: rms deviation from Mankoc's form"), "%", 100.0 * mankoc.rms);
+        let row = FigureRow::new(format!("{name}: rms deviation from Mankoc's form"), "%", 100.0 * mankoc.rms);
         judgement.rows.push(row);
     }
     Ok(Some(laws))
 }
 
 /// Returns a paragraph that lists the runs that clogged, if there are any.
-fn list_of_clogs(silo: Silo, clogged: &[&Run]) -> Option<String> {
+fn list_of_clogs(silo: Silo, clogged: &[&FinishedRun]) -> Option<String> {
     let mut text = format!("Runs of the {} that clogged, with the grains that left before:", silo.name());
     for run in clogged {
         let [width, out] = [silo.width(run), run.number("clog.avalanche_grains")].map(|it| it.unwrap_or(f64::NAN));

@@ -14,8 +14,8 @@ mod normal;
 mod oblique;
 mod published;
 
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Curve, colour, sheet};
 use siloflow_figures::statistics::points::interpolated;
@@ -80,7 +80,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 }
 
 /// Returns the runs of a material of a sweep, by another axis.
-fn by_axis<'a>(runs: &'a [Run], material: f64, key: &str) -> Vec<(f64, &'a Run)> {
+fn by_axis<'a>(runs: &'a [FinishedRun], material: f64, key: &str) -> Vec<(f64, &'a FinishedRun)> {
     let found = runs.iter().filter(|run| run.value("parameters.material") == Some(material));
     let mut found: Vec<_> = found.map(|run| (run.value(key).unwrap_or(f64::NAN), run)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -88,7 +88,7 @@ fn by_axis<'a>(runs: &'a [Run], material: f64, key: &str) -> Vec<(f64, &'a Run)>
 }
 
 /// Returns the numbers of the only grain at the end of a run.
-fn end<const N: usize>(run: &Run, columns: [&str; N]) -> Result<[f64; N], Fault> {
+fn end<const N: usize>(run: &FinishedRun, columns: [&str; N]) -> Result<[f64; N], Fault> {
     let table = run.table("state.csv")?;
     let mut numbers = [f64::NAN; N];
     for (number, column) in numbers.iter_mut().zip(columns) {
@@ -110,8 +110,8 @@ fn deviation(curve: &[(f64, f64)], published: &[(f64, f64)], is_of_each: bool) -
 }
 
 /// Returns a row for a deviation with Kratos's bound.
-fn bounded(quantity: String, percent: f64) -> Row {
-    Row::new(quantity, "%", percent).rule(BOUND)
+fn bounded(quantity: String, percent: f64) -> FigureRow {
+    FigureRow::new(quantity, "%", percent).rule(BOUND)
 }
 
 /// Returns published points as dots.

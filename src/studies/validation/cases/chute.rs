@@ -16,8 +16,8 @@
 mod layer;
 
 use self::layer::Layer;
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::short;
@@ -65,7 +65,7 @@ fn mean(layers: &[Layer], of: impl Fn(&Layer) -> f64) -> Option<Mean> {
     mean::mean(layers.iter().map(of))
 }
 
-fn layers_of(runs: &[Run]) -> Result<Vec<Vec<Layer>>, Fault> {
+fn layers_of(runs: &[FinishedRun]) -> Result<Vec<Vec<Layer>>, Fault> {
     runs.iter().map(Layer::all).collect()
 }
 
@@ -85,21 +85,21 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 }
 
 /// Returns the exponent of the mean velocity of layers of several depths; `None` without layers. `words` precede its name.
-fn depths(layers: &[Vec<Layer>], words: &str) -> Option<Row> {
+fn depths(layers: &[Vec<Layer>], words: &str) -> Option<FigureRow> {
     let point = |it: &Vec<Layer>| Some((mean(it, |it| it.depth)?.value, mean(it, |it| it.mean_velocity)?.value));
     let points: Vec<_> = layers.iter().filter_map(point).collect();
     let exponent = Law::Power.fit(&points)?.parameter("exponent")?;
     let name = format!("{words}exponent of the mean velocity over {} depths", points.len());
-    Some(Row::new(name, "", exponent.value).error(exponent.error).published(1.5, Rule::WithinAbsolute(0.15)))
+    Some(FigureRow::new(name, "", exponent.value).error(exponent.error).published(1.5, Rule::WithinAbsolute(0.15)))
 }
 
 /// Adds the rows of a run with another stiffness. Stiffer grains must flow alike; softer ones show where that ends.
-fn stiffness(run: &Run, thick: &[Layer], judgement: &mut Judgement) -> Result<(), Fault> {
+fn stiffness(run: &FinishedRun, thick: &[Layer], judgement: &mut Judgement) -> Result<(), Fault> {
     let layers = Layer::all(run)?;
     let share = 2.0 / run.value("parameters.soft").unwrap_or(f64::NAN);
     let rows: [(&str, fn(&Layer) -> f64); 2] = [("exponent", |it| it.exponent), ("inertial number", |it| it.inertial)];
     for (name, of) in rows {
-        let row = Row::of_mean(format!("{share} times the stiffness: {name}"), "", mean(&layers, of));
+        let row = FigureRow::of_mean(format!("{share} times the stiffness: {name}"), "", mean(&layers, of));
         let other = mean(thick, of).map_or(f64::NAN, |mean| mean.value);
         let rule = if share > 1.0 { Rule::Within(0.1) } else { Rule::Reported };
         judgement.rows.push(row.published(other, rule).remark("the other value is that of the thick layer"));
@@ -114,21 +114,25 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
     let depth = mean(thick, |it| it.depth).map_or(f64::NAN, |mean| mean.value);
     let tangent = thick.first().map_or(f64::NAN, |it| it.angle.tan());
     rows.push(
-        Row::new("depth of the thick layer", "d", depth)
+        FigureRow::new("depth of the thick layer", "d", depth)
             .rule(Rule::Between(THICK, 100.0))
             .remark("30 at a solid fraction of 0.57"),
     );
     rows.push(
-        Row::of_mean("thick layer: shear over normal stress", "", mean(thick, |it| it.friction))
+        FigureRow::of_mean("thick layer: shear over normal stress", "", mean(thick, |it| it.friction))
             .published(tangent, Rule::Within(0.03))
             .remark("a steady layer has the tangent of the angle"),
     );
     rows.push(
-        Row::of_mean("thick layer: exponent of v(surface) - v(z) against depth", "", mean(thick, |it| it.exponent))
-            .published(1.5, Rule::WithinAbsolute(0.15))
-            .remark("error over the windows of 0.25 s"),
+        FigureRow::of_mean(
+            "thick layer: exponent of v(surface) - v(z) against depth",
+            "",
+            mean(thick, |it| it.exponent),
+        )
+        .published(1.5, Rule::WithinAbsolute(0.15))
+        .remark("error over the windows of 0.25 s"),
     );
-    rows.push(Row::of_mean("thick layer: inertial number", "", mean(thick, |it| it.inertial)));
+    rows.push(FigureRow::of_mean("thick layer: inertial number", "", mean(thick, |it| it.inertial)));
     let mut points = Vec::new();
     for layers in angles {
         let (Some(friction), Some(inertial)) = (mean(layers, |it| it.friction), mean(layers, |it| it.inertial)) else {
@@ -136,7 +140,7 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
         };
         let degrees = (100.0 * layers[0].angle.to_degrees()).round() / 100.0;
         let (sine, cosine) = layers[0].angle.sin_cos();
-        let row = Row::of_mean(format!("{degrees} degrees: mu"), "", Some(friction))
+        let row = FigureRow::of_mean(format!("{degrees} degrees: mu"), "", Some(friction))
             .published(sine / cosine, Rule::Within(STEADY));
         // The balance of momentum along the incline.
         let gain = 9.81 * (sine - friction.value * cosine);
@@ -147,25 +151,29 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
         } else {
             row.known_miss(format!("no steady flow of so thick a layer: it gains {} m/s in a second", short(gain)))
         });
-        rows.push(Row::of_mean(format!("{degrees} degrees: I"), "", Some(inertial)));
+        rows.push(FigureRow::of_mean(format!("{degrees} degrees: I"), "", Some(inertial)));
         points.push((inertial.value, friction.value));
     }
     let from_glass: Vec<_> = points.iter().map(|(inertial, friction)| friction - law_at(GLASS, *inertial)).collect();
     rows.push(
-        Row::of_mean("mu less that of glass beads at the same I, mean over the angles", "", Mean::of(&from_glass))
-            .remark("constants of glass beads from a secondary source: no rule"),
+        FigureRow::of_mean(
+            "mu less that of glass beads at the same I, mean over the angles",
+            "",
+            Mean::of(&from_glass),
+        )
+        .remark("constants of glass beads from a secondary source: no rule"),
     );
     let line = Law::Line.fit(&points);
     for (name, words) in [("intercept", "mu = mu_s + c I: mu_s"), ("slope", "mu = mu_s + c I: c")] {
         if let Some(found) = line.as_ref().and_then(|line| line.parameter(name)) {
-            rows.push(Row::new(words, "", found.value).error(found.error));
+            rows.push(FigureRow::new(words, "", found.value).error(found.error));
         }
     }
     let law = friction_law(&points);
     if let Some(found) = law {
         for ((name, found), glass) in ["mu_s", "mu_2", "I_0"].into_iter().zip(found).zip(GLASS) {
             rows.push(
-                Row::new(name, "", found)
+                FigureRow::new(name, "", found)
                     .published(glass, Rule::Reported)
                     .remark("the other value is that of glass beads, from a secondary source: no rule"),
             );

@@ -13,8 +13,8 @@
 //! EPL 84, 44002, 2008), and ln n = a - c ln(D_c - D), which diverges at a critical width D_c (Zuriguel et al. 2005, for spheres).
 
 use crate::random::Stream;
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::short;
@@ -56,7 +56,7 @@ struct Avalanches {
 
 impl Avalanches {
     /// Returns the avalanches of a run without the first, which begins with the bed at rest.
-    fn of(run: &Run) -> Self {
+    fn of(run: &FinishedRun) -> Self {
         let all = run.files.summary["avalanches"].as_array().map_or(&[][..], |all| all);
         let grains = all.iter().skip(1).filter_map(|one| u32::try_from(one["grains"].as_u64()?).ok());
         let (idle, sizes): (Vec<u32>, Vec<u32>) = grains.partition(|grains| *grains == 0);
@@ -98,7 +98,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let means: Vec<_> = all.iter().map(|it| (it.width, it.mean())).collect();
     let growth = means.windows(2).map(|two| two[1].1 / two[0].1).fold(f64::INFINITY, f64::min);
     judgement.rows.push(
-        Row::new("mean size of a width over that of the width before, the smallest", "", growth)
+        FigureRow::new("mean size of a width over that of the width before, the smallest", "", growth)
             .rule(Rule::Between(1.2, 100.0))
             .remark("sizes grow steeply with the width in all publications"),
     );
@@ -125,7 +125,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 }
 
 /// Adds the mean sizes with stiffer grains, each beside the one before, from the softest grains on.
-fn stiffness(softest: Option<&Avalanches>, stiff: &[Run], judgement: &mut Judgement) {
+fn stiffness(softest: Option<&Avalanches>, stiff: &[FinishedRun], judgement: &mut Judgement) {
     let Some(softest) = softest else { return };
     let mut mean = softest.mean();
     let mut error = softest.error();
@@ -133,7 +133,7 @@ fn stiffness(softest: Option<&Avalanches>, stiff: &[Run], judgement: &mut Judgem
         let times = 5.0 / run.value("parameters.soft").unwrap_or(f64::NAN);
         let it = Avalanches::of(run);
         let name = format!("D = {WIDTH_OF_STIFF} d, grains {} times as stiff: mean size", short(times));
-        let row = Row::new(name, "grains", it.mean())
+        let row = FigureRow::new(name, "grains", it.mean())
             .error(Some(it.error()))
             .published(mean, Rule::WithinAbsolute(3.0 * it.error().hypot(error)));
         let remark =
@@ -158,11 +158,11 @@ fn rows(it: &Avalanches, judgement: &mut Judgement) {
     let name = format!("D = {} d", it.width);
     let m = mean(&tail) + 1.0;
     judgement.rows.extend([
-        Row::new(format!("{name}: mean size of {} avalanches", it.sizes.len()), "grains", it.mean())
+        FigureRow::new(format!("{name}: mean size of {} avalanches", it.sizes.len()), "grains", it.mean())
             .error(Some(it.error())),
-        Row::new(format!("{name}: p-value of an exponential tail"), "", test.p_value)
+        FigureRow::new(format!("{name}: p-value of an exponential tail"), "", test.p_value)
             .rule(Rule::Between(SMALLEST_CHANCE, 1.0)),
-        Row::new(format!("{name}: ratio of moments of the tail"), "", ratio_of_moments(&tail))
+        FigureRow::new(format!("{name}: ratio of moments of the tail"), "", ratio_of_moments(&tail))
             .error(Some(test.spread))
             .published(2.0 - 1.0 / m, Rule::WithinAbsolute(3.0 * test.spread))
             .remark("the other value is that of an exponential distribution; the rule is three standard errors"),
@@ -177,10 +177,10 @@ fn trends(means: &[(f64, f64)], judgement: &mut Judgement) -> [Vec<(f64, f64)>; 
     let places: Vec<_> = (0..=100).map(|n| first.0 + (last.0 - first.0) * f64::from(n) / 100.0).collect();
     let mut curves = [Vec::new(), Vec::new()];
     if let Some(fit) = Law::Line.fit(&squares) {
-        let row = Row::new("ln(mean) = a + b (D/d)^2: b", "", fit.value("slope").unwrap_or(f64::NAN));
+        let row = FigureRow::new("ln(mean) = a + b (D/d)^2: b", "", fit.value("slope").unwrap_or(f64::NAN));
         judgement.rows.push(row.error(fit.parameter("slope").and_then(|slope| slope.error)));
         let share = fit.value("r_squared").unwrap_or(f64::NAN);
-        judgement.rows.push(Row::new("the same law: share of the variance explained", "", share));
+        judgement.rows.push(FigureRow::new("the same law: share of the variance explained", "", share));
         curves[0] = places.iter().filter_map(|x| Some((*x, fit.at(x * x)?.exp()))).collect();
     }
     // Four points for three numbers.
@@ -192,9 +192,13 @@ fn trends(means: &[(f64, f64)], judgement: &mut Judgement) -> [Vec<(f64, f64)>; 
             let slope = fit.value("slope").unwrap_or(f64::NAN);
             let error = fit.parameter("slope").and_then(|slope| slope.error);
             judgement.rows.extend([
-                Row::new("mean = A (D_c - D)^-c: D_c/d, spheres 4.94 (Zuriguel, not read in the source)", "", critical),
-                Row::new("the same law: c, spheres 6.9 (not read in the source)", "", -slope).error(error),
-                Row::new(
+                FigureRow::new(
+                    "mean = A (D_c - D)^-c: D_c/d, spheres 4.94 (Zuriguel, not read in the source)",
+                    "",
+                    critical,
+                ),
+                FigureRow::new("the same law: c, spheres 6.9 (not read in the source)", "", -slope).error(error),
+                FigureRow::new(
                     "the same law: share of the variance explained",
                     "",
                     fit.value("r_squared").unwrap_or(f64::NAN),

@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 
 use self::lead::Zone;
 
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::short;
@@ -84,7 +84,7 @@ const STIFFNESSES: [(&str, &str); 3] = [
 const VOLUME: f64 = 0.1 * 0.1 * 0.06;
 
 /// Returns the grains of a material in the cell on this side of both axes, over the time since the drum turns, s.
-fn counts(run: &Run, material: &Material, side: f64) -> Result<Vec<(f64, f64)>, Fault> {
+fn counts(run: &FinishedRun, material: &Material, side: f64) -> Result<Vec<(f64, f64)>, Fault> {
     let start = run.number("parameters.start").unwrap_or(f64::NAN);
     let table = run.table("fields.csv")?;
     let column = |name: &str| table.numbers(name).unwrap_or_default();
@@ -107,7 +107,7 @@ fn published(table: &Table, code: &str, material: &Material, zone: usize) -> Res
 }
 
 /// Returns all zones of a run.
-fn zones(run: &Run, table: &Table) -> Result<Vec<Zone>, Fault> {
+fn zones(run: &FinishedRun, table: &Table) -> Result<Vec<Zone>, Fault> {
     let mut zones = Vec::new();
     for material in &MATERIALS {
         for (number, side) in [(1, 1.0), (2, -1.0)] {
@@ -186,14 +186,17 @@ fn rows(
         squares[0].push((count - mean).powi(2));
         squares[1].push((first.1 - second.1).powi(2));
         if [0.4, 1.0, 2.0, 3.0, 4.0].iter().any(|shown| (shown - time).abs() < 1e-6) {
-            let row = Row::new(format!("{name}, zone {zone}, after {time} s"), "grains", count);
+            let row = FigureRow::new(format!("{name}, zone {zone}, after {time} s"), "grains", count);
             judgement.rows.push(row.published(mean, Rule::Reported));
         }
     }
     let [ours, theirs] =
         squares.map(|it| 100.0 * mean(it).map_or(f64::NAN, |mean| mean.value).sqrt() / material.grains);
-    let row =
-        Row::new(format!("{name}, zone {zone}: rms deviation from the mean of both codes"), "% of the grains", ours);
+    let row = FigureRow::new(
+        format!("{name}, zone {zone}: rms deviation from the mean of both codes"),
+        "% of the grains",
+        ours,
+    );
     let row = row.rule(Rule::Between(0.0, 5.0));
     let remark = format!("the codes differ from each other by {} %", short(theirs));
     judgement.rows.push(if is_known {

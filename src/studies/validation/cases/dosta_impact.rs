@@ -10,8 +10,8 @@
 //!
 //! The rebound is chaotic and is not compared.
 
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::digits;
@@ -56,7 +56,7 @@ const FINE_FILE: (f64, f64) = (-78.91, 30.35);
 const BALL: &str = "1";
 
 /// Returns the path of the ball: time since the start (ms), height of its centre (mm).
-fn path(run: &Run) -> Result<Vec<(f64, f64)>, Fault> {
+fn path(run: &FinishedRun) -> Result<Vec<(f64, f64)>, Fault> {
     // At this time the ball has the published place and velocity.
     let start = run.number("parameters.start").unwrap_or(f64::NAN);
     let table = run.table("centres.csv")?;
@@ -86,22 +86,22 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     if sampled.len() > 1 {
         let count = f64::from(u16::try_from(sampled.len()).unwrap_or(u16::MAX));
         let spread = Mean::of(&sampled).map_or(f64::NAN, |mean| mean.error * count.sqrt());
-        let row = Row::new("its standard deviation over the beds", "mm", spread);
+        let row = FigureRow::new("its standard deviation over the beds", "mm", spread);
         judgement.rows.push(row.remark("The codes have 0.10 to 0.22 mm"));
     }
-    let row = Row::of_mean("deepest point", "mm", Mean::of(&depths));
+    let row = FigureRow::of_mean("deepest point", "mm", Mean::of(&depths));
     judgement.rows.push(row.published(FINE.0, Rule::Reported).remark(format!(
         "Published: LIGGGHTS, nine beds, a height every 50 us. With the file of positions it has {} mm",
         FINE_FILE.0
     )));
-    let row = Row::of_mean("time of the deepest point", "ms", Mean::of(&times));
+    let row = FigureRow::of_mean("time of the deepest point", "ms", Mean::of(&times));
     judgement.rows.push(
         row.published(FINE.1, Rule::Reported)
             .remark(format!("Published: LIGGGHTS, nine beds. With the file of positions it has {} ms", FINE_FILE.1)),
     );
     for time in [22.0, 24.0, 28.0] {
         let found = paths.iter().filter_map(|path| interpolated(path, time)).collect::<Vec<_>>();
-        let row = Row::of_mean(format!("height {time} ms after the start"), "mm", Mean::of(&found));
+        let row = FigureRow::of_mean(format!("height {time} ms after the start"), "mm", Mean::of(&found));
         let at = |column: &str| Ok(interpolated(&curve(&published, column)?, time).unwrap_or(f64::NAN));
         judgement.rows.push(row.published(at("mean_mm")?, Rule::Reported).remark(format!(
             "With the file of positions: LIGGGHTS {}, MUSEN {}",
@@ -119,12 +119,12 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 }
 
 /// The row of the lowest height of those every millisecond.
-fn depth(sampled: &[f64]) -> Row {
+fn depth(sampled: &[f64]) -> FigureRow {
     let depths = CODES.map(|code| code.1);
     let low = depths.iter().copied().fold(f64::INFINITY, f64::min);
     let high = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let row = Row::of_mean("lowest height of those every millisecond", "mm", Mean::of(sampled));
-    let row = Row { published: Some(0.5 * (low + high)), ..row };
+    let row = FigureRow::of_mean("lowest height of those every millisecond", "mm", Mean::of(sampled));
+    let row = FigureRow { published: Some(0.5 * (low + high)), ..row };
     if sampled.len() > 1 {
         return row.rule(Rule::Between(low, high)).remark("The bounds are the means of the eight codes");
     }

@@ -6,8 +6,8 @@
 //!
 //! Young's moduli are a hundredth of the published ones, in the runs of friction a thousandth. `short.ron` and `full-stiff.ron` show the rate against the modulus.
 
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
 use siloflow_figures::statistics::points::interpolated;
@@ -46,18 +46,25 @@ const RATIO: f64 = 3.10;
 /// Grains left at 1, 2 and 3 s in LIGGGHTS, thousands.
 const LEFT: [(f64, f64); 3] = [(1.0, 76.0), (2.0, 51.3), (3.0, 27.0)];
 
+/// A range of times, s.
+#[derive(Clone, Copy)]
+struct TimeWindow {
+    from: f64,
+    to: f64,
+}
+
 /// Windows of the rate of a full bed, of the variants, and of a bed of 30,000 grains, s after the opening.
-const WINDOW: (f64, f64) = (0.5, 3.5);
-const VARIANT_WINDOW: (f64, f64) = (0.5, 0.9);
-const SHORT_WINDOW: (f64, f64) = (0.1, 0.4);
+const WINDOW: TimeWindow = TimeWindow { from: 0.5, to: 3.5 };
+const VARIANT_WINDOW: TimeWindow = TimeWindow { from: 0.5, to: 0.9 };
+const SHORT_WINDOW: TimeWindow = TimeWindow { from: 0.1, to: 0.4 };
 
 /// Returns the rate of a run in a window, grains/s.
-fn rate(run: &Run, (from, to): (f64, f64)) -> Result<f64, Fault> {
+fn rate(run: &FinishedRun, TimeWindow { from, to }: TimeWindow) -> Result<f64, Fault> {
     run.rate(from, to)
 }
 
 /// Returns the points (number of the summary, rate) of some runs.
-fn rates(runs: &[Run], key: &str) -> Result<Vec<(f64, f64)>, Fault> {
+fn rates(runs: &[FinishedRun], key: &str) -> Result<Vec<(f64, f64)>, Fault> {
     let points = runs.iter().map(|run| Ok((run.number(key).unwrap_or(f64::NAN), rate(run, SHORT_WINDOW)?)));
     points.collect()
 }
@@ -67,14 +74,14 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let mut panels = Vec::new();
     if let [run] = studies.runs("full.ron") {
         judgement.rows.push(
-            Row::new("large orifice, M1: rate from 0.5 to 3.5 s", "grains/s", rate(run, WINDOW)?)
+            FigureRow::new("large orifice, M1: rate from 0.5 to 3.5 s", "grains/s", rate(run, WINDOW)?)
                 .published(RATE, Rule::Within(0.05)),
         );
         let left: Vec<_> = run.discharge()?.into_iter().map(|(time, out)| (time, 100.0 - 1e-3 * out)).collect();
         for (time, published) in LEFT {
             let found = interpolated(&left, time).unwrap_or(f64::NAN);
             judgement.rows.push(
-                Row::new(format!("large orifice, M1: left at {time} s"), "thousand grains", found)
+                FigureRow::new(format!("large orifice, M1: left at {time} s"), "thousand grains", found)
                     .published(published, Rule::Reported),
             );
         }
@@ -85,7 +92,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     soft.extend(rates(studies.runs("full-stiff.ron"), "parameters.soft")?);
     let friction = rates(studies.runs("full-friction.ron"), "parameters.friction")?;
     for (share, found) in &soft {
-        let row = Row::new(
+        let row = FigureRow::new(
             format!("30,000 grains, {share} of the published moduli: rate from 0.1 to 0.4 s"),
             "grains/s",
             *found,
@@ -93,7 +100,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
         judgement.rows.push(row.published(RATE, if *share < 0.005 { Rule::Reported } else { Rule::Within(0.05) }));
     }
     if let (Some(first), Some(last)) = (friction.first(), friction.last()) {
-        let row = Row::new(
+        let row = FigureRow::new(
             format!("30,000 grains: rate at friction {} over rate at {}", first.0, last.0),
             "",
             first.1 / last.1,
@@ -131,9 +138,9 @@ fn variants(studies: &Studies, judgement: &mut Judgement) -> Result<(), Fault> {
     for (material, large, small) in [("M1", large, small), ("M2", large_m2, small_m2)] {
         let [large, small] = [rate(large, VARIANT_WINDOW)?, rate(small, VARIANT_WINDOW)?];
         let mut rows = [
-            Row::new(format!("large orifice, {material}: rate from 0.5 to 0.9 s"), "grains/s", large),
-            Row::new(format!("small orifice, {material}: rate from 0.5 to 0.9 s"), "grains/s", small),
-            Row::new(format!("{material}: rate of the large over the small orifice"), "", large / small),
+            FigureRow::new(format!("large orifice, {material}: rate from 0.5 to 0.9 s"), "grains/s", large),
+            FigureRow::new(format!("small orifice, {material}: rate from 0.5 to 0.9 s"), "grains/s", small),
+            FigureRow::new(format!("{material}: rate of the large over the small orifice"), "", large / small),
         ];
         if material == "M1" {
             let [large, small, ratio] = rows;

@@ -8,9 +8,9 @@
 //! height the Gaussian of least squares is found for the downward flux of grains, and its variance s gives b = s/(2 z). The void model takes b for the length of the
 //! grains' own diffusion as well, which is d/Pe.
 
-use crate::studies::validation::runs::{Run, Studies};
+use crate::studies::validation::runs::{FinishedRun, Studies};
 use crate::studies::validation::tracks::{Tracks, Window};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
 use siloflow_figures::statistics::fit::Law;
@@ -36,13 +36,20 @@ const DIAMETER: f64 = 1.0e-3;
 /// Distances fallen, diameters.
 const FALLEN: [f64; 16] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
+/// A range of distances, in diameters.
+#[derive(Clone, Copy)]
+struct Distances {
+    from: f64,
+    to: f64,
+}
+
 /// Ranges of the distance fallen below and above one diameter.
-const BELOW: (f64, f64) = (0.1, 0.8);
-const ABOVE: (f64, f64) = (1.5, 6.0);
+const BELOW: Distances = Distances { from: 0.1, to: 0.8 };
+const ABOVE: Distances = Distances { from: 1.5, to: 6.0 };
 
 /// Bands of heights above the orifice, diameters.
-const LOWER: (f64, f64) = (3.0, 8.0);
-const UPPER: (f64, f64) = (10.0, 18.0);
+const LOWER: Distances = Distances { from: 3.0, to: 8.0 };
+const UPPER: Distances = Distances { from: 10.0, to: 18.0 };
 
 /// Where paths have their middles, diameters: near the axis, and where the flow still converges, so that neighbours move past each other. Higher up the bed moves
 /// as a plug.
@@ -63,7 +70,7 @@ struct Drainage {
 }
 
 impl Drainage {
-    fn of(run: &Run) -> Result<Self, Fault> {
+    fn of(run: &FinishedRun) -> Result<Self, Fault> {
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();
         let x = column("x1_m");
@@ -83,16 +90,16 @@ impl Drainage {
         self.spread.iter().map(|(h, s)| (*h, s[axis])).filter(|(_, s)| s.is_finite()).collect()
     }
 
-    fn exponent(&self, axis: usize, (from, to): (f64, f64)) -> f64 {
+    fn exponent(&self, axis: usize, Distances { from, to }: Distances) -> f64 {
         let fit = Law::Power.fit(&between(&self.along(axis), from, to));
         fit.and_then(|fit| fit.value("exponent")).unwrap_or(f64::NAN)
     }
 
     fn peclet(&self, axis: usize) -> f64 {
-        2.0 / slope(&between(&self.along(axis), ABOVE.0, ABOVE.1)).unwrap_or(f64::NAN)
+        2.0 / slope(&between(&self.along(axis), ABOVE.from, ABOVE.to)).unwrap_or(f64::NAN)
     }
 
-    fn b(&self, (from, to): (f64, f64)) -> f64 {
+    fn b(&self, Distances { from, to }: Distances) -> f64 {
         mean(between(&self.mean_flow, from, to).into_iter().map(|point| point.1)).map_or(f64::NAN, |mean| mean.value)
     }
 }
@@ -131,7 +138,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 fn judgement_of(all: &[Drainage]) -> Judgement {
     let mut judgement = Judgement::default();
     let row = |quantity: &str, unit: &'static str, of: &dyn Fn(&Drainage) -> f64| {
-        Row::of_mean(quantity, unit, mean(all.iter().map(of)))
+        FigureRow::of_mean(quantity, unit, mean(all.iter().map(of)))
     };
     for (axis, name) in ["towards the walls", "along the slot"].into_iter().enumerate() {
         let rows = [

@@ -17,8 +17,8 @@ mod standard;
 
 use self::loads::{GRAVITY, Loads, Window};
 use self::profile::{Profile, fit_vanel_clement};
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::sheet;
 use siloflow_figures::statistics::mean::mean;
@@ -50,7 +50,7 @@ const TIMES: [(&str, f64, f64); 4] =
     [("still wall", -0.2, 0.0), ("moving wall", 0.2, 0.4), ("wall stopped again", 0.4, 0.6), ("open outlet", 0.6, 0.9)];
 
 /// Returns a time of a run.
-fn window(run: &Run, number: usize) -> Window {
+fn window(run: &FinishedRun, number: usize) -> Window {
     let settled = run.number("parameters.settled").unwrap_or(f64::NAN);
     let (_, from, to) = TIMES[number];
     Window { from: settled + from, to: settled + to }
@@ -58,12 +58,12 @@ fn window(run: &Run, number: usize) -> Window {
 
 /// A run, its height in d, and its loads.
 struct Silo<'a> {
-    run: &'a Run,
+    run: &'a FinishedRun,
     layers: f64,
     loads: Loads,
 }
 
-fn read(runs: &[Run]) -> Result<Vec<Silo<'_>>, Fault> {
+fn read(runs: &[FinishedRun]) -> Result<Vec<Silo<'_>>, Fault> {
     let all = runs.iter().map(|run| {
         Ok(Silo { run, layers: run.number("parameters.layers").unwrap_or(f64::NAN), loads: Loads::of(run)? })
     });
@@ -116,7 +116,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 }
 
 /// Adds a row for each time: the largest error of the balance over its bound, and the error itself.
-fn balance<'a>(silos: impl Iterator<Item = &'a Silo<'a>> + Clone, rows: &mut Vec<Row>) {
+fn balance<'a>(silos: impl Iterator<Item = &'a Silo<'a>> + Clone, rows: &mut Vec<FigureRow>) {
     for (number, (name, ..)) in TIMES.iter().enumerate() {
         let errors: Vec<_> = silos.clone().map(|silo| silo.loads.balance(window(silo.run, number))).collect();
         let mut worst = 0.0f64;
@@ -126,7 +126,7 @@ fn balance<'a>(silos: impl Iterator<Item = &'a Silo<'a>> + Clone, rows: &mut Vec
             share = if error.is_nan() { f64::NAN } else { share.max((error / bound).abs()) };
         }
         let found = if errors.is_empty() { f64::NAN } else { share };
-        let row = Row::new(
+        let row = FigureRow::new(
             format!("{name}: error of walls + floor = weight + change of momentum, over its bound"),
             "",
             found,
@@ -142,9 +142,9 @@ fn profiles(silos: &[&Silo<'_>], number: usize) -> Result<Vec<Profile>, Fault> {
 }
 
 /// Adds the rows of the stresses in a time.
-fn stresses(time: &str, profiles: &[Profile], is_mobilised: bool, rows: &mut Vec<Row>) {
+fn stresses(time: &str, profiles: &[Profile], is_mobilised: bool, rows: &mut Vec<FigureRow>) {
     let of = |name: &str, unit, number: &dyn Fn(&Profile) -> f64| {
-        Row::of_mean(format!("{time}: {name}"), unit, mean(profiles.iter().map(number)))
+        FigureRow::of_mean(format!("{time}: {name}"), unit, mean(profiles.iter().map(number)))
     };
     let lambda = |profile: &Profile| profile.two_parameters().map_or(f64::NAN, |fit| fit.values[1]);
     let agreement =
@@ -172,13 +172,13 @@ fn stresses(time: &str, profiles: &[Profile], is_mobilised: bool, rows: &mut Vec
 }
 
 /// Adds the share of the weight that the wall bears.
-fn shares(tall: &[&Silo<'_>], highest: f64, rows: &mut Vec<Row>) {
+fn shares(tall: &[&Silo<'_>], highest: f64, rows: &mut Vec<FigureRow>) {
     for number in [0, 1] {
         let share = mean(tall.iter().map(|silo| {
             let window = window(silo.run, number);
             silo.loads.mean(&silo.loads.wall, window) / silo.loads.weight(window)
         }));
-        rows.push(Row::of_mean(
+        rows.push(FigureRow::of_mean(
             format!("{}, {highest} d: share of the weight on the wall", TIMES[number].0),
             "",
             share,
@@ -187,7 +187,7 @@ fn shares(tall: &[&Silo<'_>], highest: f64, rows: &mut Vec<Row>) {
 }
 
 /// Adds the rows of the load on the floor against the filled mass, and returns their panel.
-fn fillings(silos: &[Silo<'_>], rows: &mut Vec<Row>) -> siloflow_figures::diagram::Panel {
+fn fillings(silos: &[Silo<'_>], rows: &mut Vec<FigureRow>) -> siloflow_figures::diagram::Panel {
     let mut curves = Vec::new();
     for number in [0, 1] {
         let points: Vec<_> = silos
@@ -200,7 +200,7 @@ fn fillings(silos: &[Silo<'_>], rows: &mut Vec<Row>) -> siloflow_figures::diagra
             .collect();
         let law = fit_vanel_clement(&points);
         let [scale, error] = law.map_or([f64::NAN; 2], |fit| [fit.values[1], fit.errors[1]]);
-        let row = Row::new(format!("{}: mass M of the fillings' load on the floor", TIMES[number].0), "g", scale);
+        let row = FigureRow::new(format!("{}: mass M of the fillings' load on the floor", TIMES[number].0), "g", scale);
         rows.push(row.error(Some(error)).remark("M_floor = M_0 + M (1 - exp(-(M_filled - M_0)/M))"));
         curves.push((TIMES[number].0, points, law.map(|fit| fit.values)));
     }
@@ -208,7 +208,7 @@ fn fillings(silos: &[Silo<'_>], rows: &mut Vec<Row>) -> siloflow_figures::diagra
 }
 
 /// Adds the rows of the opening of the outlet.
-fn opening(words: &str, silos: &[&Silo<'_>], rows: &mut Vec<Row>) {
+fn opening(words: &str, silos: &[&Silo<'_>], rows: &mut Vec<FigureRow>) {
     let share = |silo: &Silo<'_>, from: f64, to: f64| {
         let settled = silo.run.number("parameters.settled").unwrap_or(f64::NAN);
         let window = Window { from: settled + from, to: settled + to };
@@ -218,6 +218,6 @@ fn opening(words: &str, silos: &[&Silo<'_>], rows: &mut Vec<Row>) {
         [("before", 0.5, 0.6), ("during the first 0.1 s after", 0.6, 0.7), ("0.2 to 0.3 s after", 0.8, 0.9)]
     {
         let quantity = format!("outlet {words}: share of the weight on the wall {name} the opening");
-        rows.push(Row::of_mean(quantity, "", mean(silos.iter().map(|silo| share(silo, from, to)))));
+        rows.push(FigureRow::of_mean(quantity, "", mean(silos.iter().map(|silo| share(silo, from, to)))));
     }
 }

@@ -13,6 +13,8 @@ mod janssen;
 mod orifice_profiles;
 
 use crate::studies::validation::Case;
+use siloflow_text::fault::Fault;
+use siloflow_text::suggestion::did_you_mean;
 
 /// All cases, in the order of the page.
 pub const CASES: [&Case; 11] = [
@@ -28,3 +30,15 @@ pub const CASES: [&Case; 11] = [
     &janssen::CASE,
     &chung_ooi::CASE,
 ];
+
+/// Returns the case of this name.
+///
+/// # Errors
+/// If there is none.
+pub fn named(name: &str) -> Result<&'static Case, Fault> {
+    CASES.into_iter().find(|case| case.name == name).ok_or_else(|| {
+        let names: Vec<_> = CASES.iter().map(|case| case.name).collect();
+        Fault::new("validate::unknown_case", format!("there is no case `{name}`"))
+            .help(did_you_mean("cases", name, &names))
+    })
+}

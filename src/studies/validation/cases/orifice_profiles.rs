@@ -15,7 +15,7 @@ mod profile;
 use self::profile::{DIAMETER, GRAVITY, Point, Profile};
 use crate::studies::validation::groups::groups_by;
 use crate::studies::validation::runs::Studies;
-use crate::studies::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::fit::best_line;
@@ -68,36 +68,40 @@ fn judgement_of(groups: &[Vec<Profile>]) -> Judgement {
     let over = |of: fn(&Profile) -> f64| over_widths(groups, of);
     let rows = &mut judgement.rows;
     rows.push(
-        Row::of_mean("gamma, mean over the widths", "", over(|it| it.gamma))
+        FigureRow::of_mean("gamma, mean over the widths", "", over(|it| it.gamma))
             .published(1.07, Rule::Reported)
             .remark(unread),
     );
     rows.push(
-        Row::of_mean("exponent of the velocity, mean over the widths", "", over(|it| it.velocity_exponent))
+        FigureRow::of_mean("exponent of the velocity, mean over the widths", "", over(|it| it.velocity_exponent))
             .published(0.5, Rule::Reported)
             .remark(unread),
     );
     rows.push(
-        Row::of_mean("1/nu, mean over the widths", "", over(|it| it.fraction_exponent))
+        FigureRow::of_mean("1/nu, mean over the widths", "", over(|it| it.fraction_exponent))
             .published(0.22, Rule::Reported)
             .remark(unread),
     );
     let middles: Vec<_> = groups.iter().map(|group| (1e3 * group[0].half, mean(group, |it| it.middle).value)).collect();
     let decay = fraction_against_width(&middles);
     if let Some([limit, depth, length]) = decay {
-        rows.push(Row::new("phi_inf", "", limit).published(0.83, Rule::Reported).remark(unread));
-        rows.push(Row::new("a_1", "", depth).published(0.50, Rule::Reported).remark(unread));
-        rows.push(Row::new("a_2", "mm", length).published(3.3, Rule::Reported).remark(unread));
+        rows.push(FigureRow::new("phi_inf", "", limit).published(0.83, Rule::Reported).remark(unread));
+        rows.push(FigureRow::new("a_1", "", depth).published(0.50, Rule::Reported).remark(unread));
+        rows.push(FigureRow::new("a_2", "mm", length).published(3.3, Rule::Reported).remark(unread));
     }
     rows.push(
-        Row::of_mean("counted rate over the law of Mankoc et al. for discs, mean over the widths", "", over(mankoc))
-            .published(1.0, Rule::Reported)
-            .remark(unread),
+        FigureRow::of_mean(
+            "counted rate over the law of Mankoc et al. for discs, mean over the widths",
+            "",
+            over(mankoc),
+        )
+        .published(1.0, Rule::Reported)
+        .remark(unread),
     );
     for group in groups {
         let name = group[0].width();
         let row = |quantity: &str, of: fn(&Profile) -> f64| {
-            Row::of_mean(format!("{name}: {quantity}"), "", Some(mean(group, of)))
+            FigureRow::of_mean(format!("{name}: {quantity}"), "", Some(mean(group, of)))
         };
         rows.push(row("gamma", |it| it.gamma));
         rows.push(row("phi_0", |it| it.middle));

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use siloflow_text::fault::Fault;
 
 /// Gravity, m/s^2, and mean diameter of the grains, m, in both scenes.
@@ -55,7 +55,7 @@ impl Silo {
     }
 
     /// Width of the orifice of a run, diameters.
-    pub(super) fn width(self, run: &Run) -> Option<f64> {
+    pub(super) fn width(self, run: &FinishedRun) -> Option<f64> {
         run.number(match self {
             Self::Slot => "parameters.slot",
             Self::Circle => "parameters.orifice",
@@ -63,7 +63,7 @@ impl Silo {
     }
 
     /// Returns the unit of the rate, n sqrt(g) d^(5/2), grains/s, of a bed with `number` grains per volume (1/m^3); for the slot times its length in d.
-    pub(super) fn unit(self, run: &Run, number: f64) -> Option<f64> {
+    pub(super) fn unit(self, run: &FinishedRun, number: f64) -> Option<f64> {
         let length = match self {
             Self::Slot => run.number("parameters.deep")?,
             Self::Circle => 1.0,
@@ -72,7 +72,7 @@ impl Silo {
     }
 
     /// Returns whether a place (diameters) is far enough from the walls, and the area of such places (square diameters).
-    fn core(self, run: &Run) -> Option<(impl Fn(f64, f64) -> bool, f64)> {
+    fn core(self, run: &FinishedRun) -> Option<(impl Fn(f64, f64) -> bool, f64)> {
         let reach = 0.5 * run.number("parameters.wide")? - AWAY;
         let area = match self {
             Self::Slot => 2.0 * reach * run.number("parameters.deep")?,
@@ -83,12 +83,12 @@ impl Silo {
 }
 
 /// Returns the discharge rate of a run, grains/s; NaN if it is too short.
-pub(super) fn rate(run: &Run) -> Result<f64, Fault> {
+pub(super) fn rate(run: &FinishedRun) -> Result<f64, Fault> {
     run.rate(FROM, f64::INFINITY)
 }
 
 /// Returns the number of grains per volume at the end of a run, 1/m^3.
-pub(super) fn density(silo: Silo, run: &Run) -> Result<f64, Fault> {
+pub(super) fn density(silo: Silo, run: &FinishedRun) -> Result<f64, Fault> {
     let state = run.table("state.csv")?;
     let [x, y, z] = [state.needed("x")?, state.needed("y")?, state.needed("z")?];
     let Some(((is_far, area), layers)) = silo.core(run).zip(run.number("parameters.layers")) else {

@@ -1,8 +1,8 @@
 //! The rate of one slot with two heights of the bed.
 
 use super::bed::{Silo, rate};
-use crate::studies::validation::runs::{Run, Studies};
-use crate::studies::validation::verdict::{Row, Rule};
+use crate::studies::validation::runs::{FinishedRun, Studies};
+use crate::studies::validation::verdict::{FigureRow, Rule};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour};
 use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
@@ -12,20 +12,20 @@ pub(super) struct Heights<'a> {
     /// Width of the slot, d.
     width: f64,
     /// Layers of grains and runs of the lower and the higher bed.
-    beds: [(f64, Vec<&'a Run>); 2],
+    beds: [(f64, Vec<&'a FinishedRun>); 2],
 }
 
 /// Returns the runs of the slot with two heights; `None` without runs of both.
 pub(super) fn heights(studies: &Studies) -> Option<Heights<'_>> {
     let low: Vec<_> = studies.first_of(&["full-height.ron", "short-height.ron"]).iter().collect();
     let width = Silo::Slot.width(low.first()?)?;
-    let is_wide = |run: &&Run| Silo::Slot.width(run).is_some_and(|found| found.to_bits() == width.to_bits());
+    let is_wide = |run: &&FinishedRun| Silo::Slot.width(run).is_some_and(|found| found.to_bits() == width.to_bits());
     let high: Vec<_> = studies.first_of(&Silo::Slot.sweeps()).iter().filter(is_wide).collect();
     Some(Heights { width, beds: [bed(low)?, bed(high)?] })
 }
 
 /// Returns the layers of a bed and its runs that flow; `None` without a run that flows.
-fn bed(runs: Vec<&Run>) -> Option<(f64, Vec<&Run>)> {
+fn bed(runs: Vec<&FinishedRun>) -> Option<(f64, Vec<&FinishedRun>)> {
     let flowing: Vec<_> = runs.into_iter().filter(|run| run.status() != "clogged").collect();
     let layers = flowing.first()?.number("parameters.layers")?;
     Some((layers, flowing))
@@ -33,8 +33,8 @@ fn bed(runs: Vec<&Run>) -> Option<(f64, Vec<&Run>)> {
 
 impl Heights<'_> {
     /// Returns the row of the ratio of the rates.
-    pub(super) fn row(&self) -> Result<Row, Fault> {
-        let mean = |runs: &[&Run]| {
+    pub(super) fn row(&self) -> Result<FigureRow, Fault> {
+        let mean = |runs: &[&FinishedRun]| {
             let rates = runs.iter().map(|run| rate(run)).collect::<Result<Vec<_>, _>>()?;
             Ok(Mean::of(&rates).unwrap_or(Mean { value: f64::NAN, error: f64::NAN }))
         };
@@ -43,7 +43,7 @@ impl Heights<'_> {
         let ratio = low.value / high.value;
         let error = ratio * (low.error / low.value).hypot(high.error / high.value);
         let quantity = format!("slot of {} d: rate with a bed of {lower} d over the rate with {higher} d", self.width);
-        let row = Row::new(quantity, "", ratio).error(Some(error)).published(1.0, Rule::WithinAbsolute(0.05));
+        let row = FigureRow::new(quantity, "", ratio).error(Some(error)).published(1.0, Rule::WithinAbsolute(0.05));
         Ok(row.remark("the rate does not depend on the height of the bed"))
     }
 

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 
 use super::published::{ALLOY_BY_OVERLAP, ALLOY_BY_TIME, GLASS_BY_OVERLAP, GLASS_BY_TIME};
 use super::{Points, bounded, by_axis, deviation, dots, end, line};
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use crate::studies::validation::unreadable;
-use crate::studies::validation::verdict::{Row, Rule};
+use crate::studies::validation::verdict::{FigureRow, Rule};
 use siloflow_figures::diagram::{Axis, Panel};
 use siloflow_files::frames::reader::FrameReader;
 use siloflow_text::fault::Fault;
@@ -77,7 +77,7 @@ impl Elastic {
 }
 
 /// Time since the touch (s), overlap (m) and force (N) in each frame of a contact.
-fn contact(run: &Run, elastic: &Elastic) -> Result<Vec<[f64; 3]>, Fault> {
+fn contact(run: &FinishedRun, elastic: &Elastic) -> Result<Vec<[f64; 3]>, Fault> {
     let path = run.files.directory.join("frames.bin");
     let unreadable = |error| unreadable(&path, &error);
     let mut rows: Vec<[f64; 3]> = Vec::new();
@@ -96,7 +96,7 @@ fn contact(run: &Run, elastic: &Elastic) -> Result<Vec<[f64; 3]>, Fault> {
 }
 
 /// Adds the rows of test 1 or 2, and returns its panel.
-pub(super) fn elastic(elastic: &Elastic, runs: &[Run], rows: &mut Vec<Row>) -> Result<Panel, Fault> {
+pub(super) fn elastic(elastic: &Elastic, runs: &[FinishedRun], rows: &mut Vec<FigureRow>) -> Result<Panel, Fault> {
     let mut curves = Vec::new();
     for (number, (name, material)) in elastic.names.into_iter().zip(elastic.materials).enumerate() {
         let of_material = runs.iter().find(|run| run.value("parameters.material") == Some([0.0, 1.0][number]));
@@ -107,12 +107,12 @@ pub(super) fn elastic(elastic: &Elastic, runs: &[Run], rows: &mut Vec<Row>) -> R
         let test = elastic.test;
         // The frames miss 1e-4 of the largest force and less of the overlap. The steps are far below that.
         rows.push(
-            Row::new(format!("{test}, {name}: largest force"), "N", largest)
+            FigureRow::new(format!("{test}, {name}: largest force"), "N", largest)
                 .published(force.round(), Rule::Within(1e-3))
                 .remark("Hertz's closed form"),
         );
         rows.push(
-            Row::new(format!("{test}, {name}: deepest overlap"), "um", 1e6 * deepest)
+            FigureRow::new(format!("{test}, {name}: deepest overlap"), "um", 1e6 * deepest)
                 .published((1e8 * overlap).round() / 100.0, Rule::Within(1e-3))
                 .remark("Hertz's closed form"),
         );
@@ -132,7 +132,7 @@ pub(super) fn elastic(elastic: &Elastic, runs: &[Run], rows: &mut Vec<Row>) -> R
             curves.push(dots(&format!("{name}, published"), 0, elastic.by_time));
         } else {
             rows.push(
-                Row::new(format!("{test}, {name}: largest force"), "N", largest)
+                FigureRow::new(format!("{test}, {name}: largest force"), "N", largest)
                     .published(elastic.largest_of_second, Rule::Within(0.05))
                     .remark("Kratos's data"),
             );
@@ -148,7 +148,7 @@ pub(super) fn elastic(elastic: &Elastic, runs: &[Run], rows: &mut Vec<Row>) -> R
 }
 
 /// Adds the rows of test 3, and returns its panel.
-pub(super) fn damped(runs: &[Run], rows: &mut Vec<Row>) -> Result<Panel, Fault> {
+pub(super) fn damped(runs: &[FinishedRun], rows: &mut Vec<FigureRow>) -> Result<Panel, Fault> {
     let mut curves = vec![dots("published: that of the law", 0, &[0.2, 0.4, 0.6, 0.8, 1.0].map(|e| (e, e)))];
     for (number, (material, name)) in [(0.0, "aluminium oxide"), (1.0, "cast iron")].into_iter().enumerate() {
         for (attraction, words) in [("Allowed", "with"), ("Forbidden", "without")] {

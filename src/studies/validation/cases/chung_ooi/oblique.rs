@@ -7,8 +7,8 @@
 use super::law::{Impact, Spring};
 use super::published::{KHARAZ, PARTING, RECOIL, RECOIL_OF_ELEMENTS, RESTITUTION, SPIN, SPIN_RATIO};
 use super::{Points, bounded, by_axis, deviation, dots, end, line};
-use crate::studies::validation::runs::Run;
-use crate::studies::validation::verdict::{Row, Rule};
+use crate::studies::validation::runs::FinishedRun;
+use crate::studies::validation::verdict::{FigureRow, Rule};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel};
 use siloflow_figures::statistics::points::{between, interpolated};
 use siloflow_text::fault::Fault;
@@ -79,7 +79,7 @@ impl Curves {
 }
 
 /// Returns the abscissa and v_n, v_t and w after the impact of the runs of a material.
-fn ends(runs: &[Run], material: f64, key: &str) -> Result<Vec<(f64, [f64; 3])>, Fault> {
+fn ends(runs: &[FinishedRun], material: f64, key: &str) -> Result<Vec<(f64, [f64; 3])>, Fault> {
     let all = by_axis(runs, material, key).into_iter().map(|(x, run)| {
         let [v_x, v_z, w_y] = end(run, ["vx", "vz", "wy"])?;
         Ok((x, [v_z, v_x, -w_y]))
@@ -106,18 +106,24 @@ fn at_ratio(ratio: f64) -> (f64, f64) {
 }
 
 /// Adds a row for one published point that is known to miss.
-fn known(rows: &mut Vec<Row>, quantity: String, unit: &'static str, curve: &[(f64, f64)], (x, published): (f64, f64)) {
+fn known(
+    rows: &mut Vec<FigureRow>,
+    quantity: String,
+    unit: &'static str,
+    curve: &[(f64, f64)],
+    (x, published): (f64, f64),
+) {
     let found = interpolated(curve, x).unwrap_or(f64::NAN);
-    rows.push(Row::new(quantity, unit, found).published(published, Rule::Within(0.05)).known_miss(REASON));
+    rows.push(FigureRow::new(quantity, unit, found).published(published, Rule::Within(0.05)).known_miss(REASON));
 }
 
 /// Adds a row for the deviation of the other law from the published curve. It shows whether the reason of a miss holds.
-fn reason(rows: &mut Vec<Row>, quantity: String, percent: f64) {
-    rows.push(Row::new(quantity, "%", percent).remark("no figure of siloflow: the reason of the misses"));
+fn reason(rows: &mut Vec<FigureRow>, quantity: String, percent: f64) {
+    rows.push(FigureRow::new(quantity, "%", percent).remark("no figure of siloflow: the reason of the misses"));
 }
 
 /// Adds the rows of test 4, and returns its panels.
-pub(super) fn constant_speed(runs: &[Run], rows: &mut Vec<Row>) -> Result<Vec<Panel>, Fault> {
+pub(super) fn constant_speed(runs: &[FinishedRun], rows: &mut Vec<FigureRow>) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
     for (number, (name, impact)) in OF_SPEED.into_iter().enumerate() {
         let found = ends(runs, [0.0, 1.0][number], "parameters.angle")?;
@@ -138,7 +144,7 @@ pub(super) fn constant_speed(runs: &[Run], rows: &mut Vec<Row>) -> Result<Vec<Pa
         known(rows, format!("{test}: spin at 5 degrees"), "rad/s", &spin, published_spin[0]);
         known(rows, format!("{test}: spin at 10 degrees"), "rad/s", &spin, published_spin[1]);
         let degrees = deviation(&parting, &PARTING, false) * 84.52 / 100.0;
-        rows.push(Row::new(
+        rows.push(FigureRow::new(
             format!("{test}: angle of the contact point's velocity, largest deviation"),
             "degrees",
             degrees,
@@ -158,7 +164,7 @@ pub(super) fn constant_speed(runs: &[Run], rows: &mut Vec<Row>) -> Result<Vec<Pa
             ];
             for (label, ours, other, published, more) in quantities {
                 let x = Axis::linear("angle from the normal, degrees", 0.0, 90.0);
-                panels.push(panel("test 4, aluminium oxide", x, label, (ours, other, published), more));
+                panels.push(panel("test 4, aluminium oxide", x, label, Compared { ours, other, published }, more));
             }
         }
     }
@@ -166,7 +172,7 @@ pub(super) fn constant_speed(runs: &[Run], rows: &mut Vec<Row>) -> Result<Vec<Pa
 }
 
 /// Adds the rows of test 5, and returns its panels.
-pub(super) fn constant_normal_velocity(runs: &[Run], rows: &mut Vec<Row>) -> Result<Vec<Panel>, Fault> {
+pub(super) fn constant_normal_velocity(runs: &[FinishedRun], rows: &mut Vec<FigureRow>) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
     for (number, (name, impact)) in OF_NORMAL_VELOCITY.into_iter().enumerate() {
         let found = ends(runs, [0.0, 1.0][number], "parameters.ratio")?;
@@ -198,28 +204,35 @@ pub(super) fn constant_normal_velocity(runs: &[Run], rows: &mut Vec<Row>) -> Res
         }
         if number == 0 {
             let elements = deviation(&recoil, &RECOIL_OF_ELEMENTS, false) * 5.427 / 100.0;
-            rows.push(Row::new(
+            rows.push(FigureRow::new(
                 format!("{test}: recoil, largest deviation from the paper's finite elements"),
                 "",
                 elements,
             ));
             let theirs = deviation(&published, &between(&RECOIL_OF_ELEMENTS, 0.4, 12.5), false) * 5.427 / 100.0;
-            let row = Row::new(format!("{test}: the same of the paper's own curve"), "", theirs);
+            let row = FigureRow::new(format!("{test}: the same of the paper's own curve"), "", theirs);
             rows.push(row.remark("no figure of siloflow"));
         }
         let more = if number == 0 { vec![dots("finite elements", 3, &RECOIL_OF_ELEMENTS)] } else { Vec::new() };
         let axis = || Axis::linear("v_t/(mu v_n) before the impact", 0.0, 8.0);
         let title = format!("test 5, {name}");
         let shown = |points: &[(f64, f64)]| between(points, 0.0, 8.0);
-        let three = (shown(&recoil), shown(&other_recoil), shown(&published));
+        let three = Compared { ours: shown(&recoil), other: shown(&other_recoil), published: shown(&published) };
         let more = more.into_iter().map(|curve| Curve { points: shown(&curve.points), ..curve }).collect();
         panels.push(panel(&title, axis(), "recoil v_s/(mu v_n)", three, more));
         if number == 0 {
-            let three = (shown(&spin), shown(&other_spin), shown(&published_spin));
+            let three = Compared { ours: shown(&spin), other: shown(&other_spin), published: shown(&published_spin) };
             panels.push(panel(&title, axis(), "spin R w/(mu v_n)", three, Vec::new()));
         }
     }
     Ok(panels)
+}
+
+/// The curves of a panel.
+struct Compared {
+    ours: Points,
+    other: Points,
+    published: Points,
 }
 
 /// Returns a panel of siloflow's curve, the one of the other law, published points, and more curves.
@@ -227,7 +240,7 @@ fn panel(
     title: &str,
     x: Axis,
     label: &'static str,
-    (ours, other, published): (Points, Points, Points),
+    Compared { ours, other, published }: Compared,
     more: Vec<Curve>,
 ) -> Panel {
     let mut curves = vec![

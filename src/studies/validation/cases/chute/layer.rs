@@ -1,6 +1,6 @@
 //! A layer on an incline in one window of time: its depth, friction, inertial number and exponent.
 
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use siloflow_figures::statistics::fit::{Law, best_line};
 use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
@@ -60,7 +60,7 @@ impl Layer {
     }
 
     /// Reads the layers of the second half of a run's windows.
-    pub(super) fn all(run: &Run) -> Result<Vec<Self>, Fault> {
+    pub(super) fn all(run: &FinishedRun) -> Result<Vec<Self>, Fault> {
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();
         let from = column("from_s");

@@ -3,7 +3,7 @@
 //! The deviation at a shift s is the root of the mean of ((n(t - s) - m(t))/N)^2 over all zones and published times t, with the count n of siloflow, the mean m of both codes,
 //! and the number N of grains of the material. The lead is the shift with the least deviation.
 
-use crate::studies::validation::verdict::{Judgement, Row};
+use crate::studies::validation::verdict::{FigureRow, Judgement};
 use siloflow_figures::statistics::mean::mean;
 use siloflow_figures::statistics::points::interpolated;
 
@@ -41,9 +41,9 @@ pub(super) fn rows(zones: &[Zone], words: &str, judgement: &mut Judgement) {
     let best = shifts().min_by(|a, b| deviation(zones, *a).total_cmp(&deviation(zones, *b))).unwrap_or(0.0);
     let name = |what: &str| format!("{words}, 0.3 to {END} s: {what}");
     judgement.rows.extend([
-        Row::new(name("rms deviation of all four counts"), "% of the grains", 100.0 * deviation(zones, 0.0)),
-        Row::new(name("lead over both codes"), "s", best),
-        Row::new(name("the deviation moved by this lead"), "% of the grains", 100.0 * deviation(zones, best)),
+        FigureRow::new(name("rms deviation of all four counts"), "% of the grains", 100.0 * deviation(zones, 0.0)),
+        FigureRow::new(name("lead over both codes"), "s", best),
+        FigureRow::new(name("the deviation moved by this lead"), "% of the grains", 100.0 * deviation(zones, best)),
     ]);
 }
 

@@ -4,7 +4,7 @@
 //! `centres.csv`: walls + floor = M g + dP/dt. The momentum at a row has only half of the force of its own step, so the balance holds up to the difference of
 //! the forces at both ends, times dt/2, over the time. That difference is at most about the weight: friction jumps when the wall starts or stops.
 
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use siloflow_text::fault::Fault;
 
 /// Gravity, m/s^2.
@@ -33,7 +33,7 @@ pub(super) struct Loads {
 
 impl Loads {
     /// Reads the loads of a run. The outlet counts as floor.
-    pub(super) fn of(run: &Run) -> Result<Self, Fault> {
+    pub(super) fn of(run: &FinishedRun) -> Result<Self, Fault> {
         let forces = run.table("wall_groups.csv")?;
         let names = forces.texts("walls").unwrap_or_default();
         let times_of_rows = forces.needed("time_s")?;

@@ -14,7 +14,7 @@
 use std::f64::consts::PI;
 
 use super::loads::GRAVITY;
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use siloflow_figures::statistics::least_squares::{Fit, fit};
 use siloflow_text::fault::Fault;
 
@@ -46,7 +46,7 @@ const TOP: f64 = 3.0 * 0.004;
 
 impl Profile {
     /// Reads the profile of the averages that begin at `from`, s. `None` if there is none.
-    pub(super) fn of(run: &Run, from: f64) -> Result<Option<Self>, Fault> {
+    pub(super) fn of(run: &FinishedRun, from: f64) -> Result<Option<Self>, Fault> {
         let bands = run.table("wall_bands.csv")?;
         let fields = run.table("fields.csv")?;
         // The tables begin with the first sample at or after `from`, at most an interval of sampling later.

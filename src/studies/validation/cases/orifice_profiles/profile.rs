@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::studies::validation::runs::Run;
+use crate::studies::validation::runs::FinishedRun;
 use siloflow_figures::statistics::fit::Law;
 use siloflow_text::fault::Fault;
 
@@ -43,7 +43,7 @@ impl Profile {
     }
 
     /// Reads and fits the profile of a run.
-    pub(super) fn of(run: &Run) -> Result<Self, Fault> {
+    pub(super) fn of(run: &FinishedRun) -> Result<Self, Fault> {
         let half = 0.5 * DIAMETER * run.value("parameters.width").unwrap_or(f64::NAN);
         let table = run.table("fields.csv")?;
         let column = |name: &str| table.numbers(name).unwrap_or_default();

@@ -1,26 +1,13 @@
-//! Conditions that end a run early: the scene key `stop`. The first condition that holds ends the run.
-//!
-//! | condition | the run ends at the first step at whose end |
-//! |---|---|
-//! | `AtRest` | the bed is at rest: [`crate::rest`] |
-//! | `EndOfFlow(still: s)` | `still` seconds have passed since the door began to open and since the last grain left through it |
-//! | `Clogged(still: s)` | the same, while grains are above the outlet: [`clog`] |
-//! | `Out(n)` | `n` grains have left through a door |
-//!
-//! `EndOfFlow` finds the end of a discharge that leaves grains inside: a flat bottom keeps dead zones, and an arch may block the orifice.
-//! `still` must be longer than the pauses of the flow, or the run ends in a pause. An empty silo, a failure and `until` end a run
-//! without any condition.
-
-pub mod clog;
-pub mod kick;
+//! The scene key `stop`, and its conditions on rest and on the outflow.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::door::DoorState;
-use crate::ending::stop::kick::Avalanches;
-use crate::ending::{Endings, end_at_rest, end_at_time, end_when_empty};
+use crate::ending::regular::{Endings, end_at_rest, end_at_time, end_when_empty};
+use crate::ending::stop::avalanches::Avalanches;
+use crate::ending::stop::stillness::is_still;
 use crate::ledger::{GrainsAccounted, Ledger};
 use siloflow_dem::outcome::{End, Outcome};
 use siloflow_dem::step::{Clock, Phase, Step, time_moves};
@@ -47,24 +34,10 @@ pub enum StopCondition {
 
 /// The conditions on the outflow, in the order of the scene.
 #[derive(Resource)]
-struct FlowConditions(Vec<StopCondition>);
-
-/// Whether the door is open, and for `still` (s) no grain has left, the door has not begun to open, and no kick has ended.
-fn is_still(
-    clock: &Clock,
-    ledger: &Ledger,
-    door: Option<&DoorState>,
-    avalanches: Option<&Avalanches>,
-    still: f64,
-) -> bool {
-    let last_out = ledger.departures.last();
-    let kick = avalanches.and_then(|avalanches| avalanches.kick_end);
-    let open = door.and_then(DoorState::open_time);
-    open.is_some_and(|open| clock.has_reached(last_out.into_iter().chain(kick).fold(open, f64::max) + still))
-}
+pub(super) struct FlowConditions(Vec<StopCondition>);
 
 /// Ends the run when a condition on the outflow holds.
-fn end_by_flow(
+pub(super) fn end_by_flow(
     clock: Res<Clock>,
     (conditions, ledger): (Res<FlowConditions>, Res<Ledger>),
     (door, avalanches): (Option<Res<DoorState>>, Option<Res<Avalanches>>),
