@@ -19,7 +19,7 @@ mod spring_slider;
 use serde::{Deserialize, Serialize};
 
 pub use self::dashpot::Dashpot;
-pub use self::load::{NormalLoad, Unloading};
+pub use self::load::{LoadEvent, NormalLoad, Unloading};
 pub(super) use self::spring_slider::mean_of;
 pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
 use crate::contact::damping::Coefficient;

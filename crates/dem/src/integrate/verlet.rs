@@ -48,7 +48,7 @@ fn drift<V: Space>(
     if store.predicts() {
         let halfway = Predicted { share: store.prediction.share };
         let mut apart = std::mem::take(&mut store.prediction.middle);
-        apart.resize(count, V::Apart::default());
+        apart.resize(count, V::MiddleBesideBody::default());
         let longest = if store.prediction.sweeps {
             let mut swept = std::mem::take(&mut store.prediction.swept);
             swept.resize(count, 0.0);

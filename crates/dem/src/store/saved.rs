@@ -141,7 +141,7 @@ impl<V: Space> ParticleStore<V> {
             velocity,
             radius,
             inverse_mass,
-            middle: V::Inside::default(),
+            middle: V::MiddleInBody::default(),
         };
         self.body = saved.body.into_iter().map(body).collect();
         self.id = saved.id;
@@ -154,7 +154,7 @@ impl<V: Space> ParticleStore<V> {
         [prediction.lookahead, prediction.share, prediction.spin_share, prediction.margin] = saved.prediction.numbers;
         prediction.lone = saved.prediction.lone;
         if prediction.lookahead > 0.0 {
-            prediction.middle = vec![V::Apart::default(); rows];
+            prediction.middle = vec![V::MiddleBesideBody::default(); rows];
             prediction.middle_spin = vec![V::Spin::default(); spins];
         }
         (self.half_step, self.lifted, self.is_suspect) = (saved.half_step, saved.lifted, saved.is_suspect);

@@ -166,12 +166,7 @@ impl<V: Space> Bodies<V> {
 
     /// Transposes the first `lanes` lanes and computes their contact quantities, with the root of the reduced mass if
     /// `mass_root` is set. Returns whether any centres may coincide.
-    pub fn measure(
-        &mut self,
-        lanes: usize,
-        (numbers, mass_root): (BodyNumbers, bool),
-        instructions: Instructions,
-    ) -> bool {
+    pub fn measure(&mut self, lanes: usize, numbers: BodyNumbers, mass_root: bool, instructions: Instructions) -> bool {
         match numbers {
             BodyNumbers::Sums => self.measure_by::<false, false>(lanes, mass_root, instructions),
             BodyNumbers::Each => self.measure_by::<true, false>(lanes, mass_root, instructions),
@@ -225,7 +220,7 @@ mod tests {
                 velocity: at(4),
                 radius: number(7),
                 inverse_mass: number(8),
-                middle: V::Inside::default(),
+                middle: V::MiddleInBody::default(),
             }
         };
         for instructions in Instructions::all() {
@@ -241,7 +236,7 @@ mod tests {
                 };
                 assert_eq!(taken, measured);
             }
-            assert!(!bodies.measure(LANES, (numbers, true), instructions));
+            assert!(!bodies.measure(LANES, numbers, true, instructions));
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
