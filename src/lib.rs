@@ -98,8 +98,9 @@ pub mod prelude {
     pub use siloflow_dem::space::{Dimension, Linear, Plane, Solid, Space, Vector};
     pub use siloflow_dem::spin::{Inertia, Spin, Torque};
     pub use siloflow_dem::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+    pub use siloflow_dem::survey::contact_state::{ContactState, Touched};
     pub use siloflow_dem::survey::pair_forces::PairForces;
     pub use siloflow_dem::survey::pair_map::PairMap;
     pub use siloflow_dem::survey::touching::Touching;
-    pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
+    pub use siloflow_dem::survey::view::ContactView;
 }
