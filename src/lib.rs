@@ -100,9 +100,14 @@ pub mod prelude {
     pub use siloflow_dem::space::{Dimension, Linear, Plane, Solid, Space, Vector};
     pub use siloflow_dem::spin::{Inertia, Spin, Torque};
     pub use siloflow_dem::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+    pub use siloflow_dem::survey::contact_state::{ContactState, Touched};
     pub use siloflow_dem::survey::pair_forces::PairForces;
     pub use siloflow_dem::survey::pair_map::PairMap;
     pub use siloflow_dem::survey::touching::Touching;
+<<<<<<< HEAD
     pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
     pub use siloflow_files::frames::scale::{Palette, Scale};
+=======
+    pub use siloflow_dem::survey::view::ContactView;
+>>>>>>> 759838cfd77131659a76e9631df5449142081e56
 }

@@ -101,7 +101,7 @@ pub struct Body<V: Space = Plane> {
     /// Inverse mass as contacts see it, 1/kg: 0 for fixed particles.
     pub inverse_mass: f64,
     /// The velocity in the middle of the step, for schemes that predict velocities.
-    pub middle: V::Inside,
+    pub middle: V::MiddleInBody,
 }
 
 /// Forces and torques on particles, summed over their contacts. Sums that the scene does not need are empty.

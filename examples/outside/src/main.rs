@@ -1,4 +1,4 @@
-//! Behaviours in a crate outside siloflow: air drag, heat conduction at contacts, a cohesive contact law, and an
+//! Behaviours in a crate outside siloflow: air drag, heat conduction at contacts, a cohesive contact law, bonds that remember, and an
 //! attraction in addition to any contact law. Each has its own file, with a test against a closed form.
 //!
 //! ```text
@@ -7,6 +7,7 @@
 //! ```
 
 mod attraction;
+mod bond;
 mod cohesion;
 mod drag;
 mod temperature;
@@ -21,6 +22,7 @@ fn registry() -> Registry {
         .register::<drag::AirDrag>("air_drag")
         .register::<temperature::Conduction>("conduction")
         .register::<cohesion::Cohesion>("cohesion")
+        .register::<bond::Bond>("bond")
         .register::<attraction::Attraction>("attraction");
     registry
 }

@@ -35,7 +35,7 @@ use siloflow_dem::particle::{Door, Grain, GrainId, Slot};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::{Linear, Solid, Space};
 use siloflow_dem::step::{Clock, Step};
-use siloflow_dem::survey::view::{ContactState, Touched};
+use siloflow_dem::survey::contact_state::{ContactState, Touched};
 use siloflow_dem::survey::{Partner, Survey, SurveyParam};
 use siloflow_figures::colour;
 use siloflow_files::frames::file::FrameFile;

@@ -3,7 +3,7 @@
 //! The terms are types, so that the loop over contacts is compiled for each combination of terms. An unused term
 //! ([`NoFriction`](super::tangential::NoFriction), [`NoRolling`](super::rolling::NoRolling)) costs no run time.
 
-use crate::contact::centred::normal_load::{NormalLoad, Unloading};
+use crate::contact::centred::normal_load::{LoadEvent, NormalLoad, Unloading};
 use crate::contact::centred::window::Window;
 use crate::contact::lanes::larger;
 use crate::contact::law::{Bounce, LawRequirements, PairLaw};
@@ -107,6 +107,14 @@ pub struct Composite<N, T, R> {
     pub rolling: R,
 }
 
+/// The places of the first numbers of the springs in [`Memory::numbers`].
+struct SpringPlaces {
+    spring: usize,
+    rolling: usize,
+    stiffness: usize,
+    twist: usize,
+}
+
 impl<N: Normal, T: Tangential, R: Rolling> LawRequirements for Composite<N, T, R> {
     const SPIN: bool = T::SPIN;
     const ROLLING: bool = R::ROLLING;
@@ -122,37 +130,41 @@ impl<N: Normal, T: Tangential, R: Rolling> LawRequirements for Composite<N, T, R
 }
 
 impl<N: Normal, T: Tangential, R: Rolling> Composite<N, T, R> {
-    /// Returns the springs in a memory, which has the variables of [`LawRequirements::MEMORY`].
+    /// Returns the places of the springs in a memory, which has the variables of [`LawRequirements::MEMORY`].
+    const fn places<V: Space>() -> SpringPlaces {
+        let rolling = SPRING.kept_if(T::SPRING).width::<V>();
+        let stiffness = rolling + ROLLING.kept_if(R::ROLLING).width::<V>();
+        let twist = stiffness + STIFFNESS.kept_if(T::STIFFNESS).width::<V>();
+        SpringPlaces { spring: 0, rolling, stiffness, twist }
+    }
+
+    /// Returns the springs in a memory.
     #[inline(always)]
     fn springs<V: Space>(memory: &Memory) -> SpringMemory<V> {
-        let rolling = const { SPRING.kept_if(T::SPRING).width::<V>() };
-        let stiffness = rolling + const { ROLLING.kept_if(R::ROLLING).width::<V>() };
-        let twist = stiffness + const { STIFFNESS.kept_if(T::STIFFNESS).width::<V>() };
+        let places = const { Self::places::<V>() };
         SpringMemory {
-            spring: if T::SPRING { memory.vector(0) } else { V::ZERO },
-            rolling: if R::ROLLING { memory.vector(rolling) } else { V::ZERO },
-            stiffness: if T::STIFFNESS { memory.numbers[stiffness] } else { 0.0 },
-            twist: if R::TWISTING { memory.numbers[twist] } else { 0.0 },
+            spring: if T::SPRING { memory.vector(places.spring) } else { V::ZERO },
+            rolling: if R::ROLLING { memory.vector(places.rolling) } else { V::ZERO },
+            stiffness: if T::STIFFNESS { memory.numbers[places.stiffness] } else { 0.0 },
+            twist: if R::TWISTING { memory.numbers[places.twist] } else { 0.0 },
         }
     }
 
     /// Sets the springs in a memory.
     #[inline(always)]
     fn remember<V: Space>(memory: &mut Memory, springs: &SpringMemory<V>) {
-        let rolling = const { SPRING.kept_if(T::SPRING).width::<V>() };
-        let stiffness = rolling + const { ROLLING.kept_if(R::ROLLING).width::<V>() };
-        let twist = stiffness + const { STIFFNESS.kept_if(T::STIFFNESS).width::<V>() };
+        let places = const { Self::places::<V>() };
         if T::SPRING {
-            memory.set_vector(0, springs.spring);
+            memory.set_vector(places.spring, springs.spring);
         }
         if R::ROLLING {
-            memory.set_vector(rolling, springs.rolling);
+            memory.set_vector(places.rolling, springs.rolling);
         }
         if T::STIFFNESS {
-            memory.numbers[stiffness] = springs.stiffness;
+            memory.numbers[places.stiffness] = springs.stiffness;
         }
         if R::TWISTING {
-            memory.numbers[twist] = springs.twist;
+            memory.numbers[places.twist] = springs.twist;
         }
     }
 }
@@ -244,13 +256,18 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
                     let own = half * force_before;
                     let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
                     let load = dashpot_at(0.0) * speed;
-                    (ago, if N::REACHES { load + self.normal.spring(&at(0.0)) } else { load }.max(floor), true)
+                    let force = if N::REACHES { load + self.normal.spring(&at(0.0)) } else { load }.max(floor);
+                    LoadEvent { ago, force, opens: true }
                 })
             } else {
                 let earlier = begins.max(floor);
-                (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0, false))
+                (overlap > 0.0 && earlier * whole < 0.0).then(|| LoadEvent {
+                    ago: pair.dt * whole / (whole - earlier),
+                    force: 0.0,
+                    opens: false,
+                })
             };
-            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, ..)| ago) } else { 0.0 };
+            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |event| event.ago) } else { 0.0 };
             let shares = [before, overlap].map(|overlap| window.share(overlap));
             // The load of a contact beyond touch does not fall to zero before it breaks.
             let unloading = if is_new || N::REACHES {

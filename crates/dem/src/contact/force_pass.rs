@@ -21,24 +21,25 @@
 //! that no bit of it depends on the number of threads.
 
 mod contact_end;
+mod input;
 mod prefetch;
 mod thread_scratch;
 mod walls;
 mod worker;
 
+pub use self::input::ForcePass;
 use self::thread_scratch::{HaloImport, exchange_halos, export_halo};
-pub use self::thread_scratch::{ScratchPerThread, ThreadScratch};
+pub use self::thread_scratch::{KeptScratches, ScratchPerThread, ThreadScratch};
 use self::worker::{OwnContacts, OwnOutput, Worker};
-use crate::contact::batch_law::BatchLaw;
 use crate::contact::force_accumulation::{AccumulatorSlice, ForceAccumulation};
 use crate::contact::history::History;
 use crate::contact::law::LawRequirements;
-use crate::contact::needs::{FrictionTorques, Needs, NoTorques, RollingTorques, TorqueClass};
-use crate::instruction_set::InstructionSet;
-use crate::neighbours::list::{BLOCK, Candidate, PairList};
+use crate::contact::needs::{FrictionTorques, NoTorques, RollingTorques, TorqueClass};
+use crate::neighbours::list::BLOCK;
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
+<<<<<<< HEAD
 use crate::walls::surface_wall::SurfaceWall;
 use crate::walls::twins::Twins;
 
@@ -67,25 +68,26 @@ pub struct ForcePass<'a, V: Space> {
     /// Instruction set of the lane loops.
     pub instructions: InstructionSet,
 }
+=======
+>>>>>>> 759838cfd77131659a76e9631df5449142081e56
 
 impl<V: Space> ForcePass<'_, V> {
     /// Sets the loads of `store` to the sums of weight and all contact forces.
     ///
     /// `deepest` is the largest overlap so far divided by the smaller radius of its pair. Returns the same ratio after
-    /// this pass. `scratches` persist between passes; after the pass they hold the loads on walls. `history_unchanged` states
-    /// that the contact history has not changed since the last pass with these `scratches`.
+    /// this pass. After the pass `kept` holds the loads on walls.
     pub fn sum(
         &self,
         store: &mut ParticleStore<V>,
         history: &mut History,
         threads: &Threads,
-        scratches: (&mut Vec<ThreadScratch<V>>, bool),
+        kept: KeptScratches<'_, V>,
         deepest: f64,
     ) -> f64 {
         match self.needs.torques {
-            TorqueClass::None => self.sum_as::<NoTorques>(store, history, threads, scratches, deepest),
-            TorqueClass::Friction => self.sum_as::<FrictionTorques>(store, history, threads, scratches, deepest),
-            TorqueClass::Rolling => self.sum_as::<RollingTorques>(store, history, threads, scratches, deepest),
+            TorqueClass::None => self.sum_as::<NoTorques>(store, history, threads, kept, deepest),
+            TorqueClass::Friction => self.sum_as::<FrictionTorques>(store, history, threads, kept, deepest),
+            TorqueClass::Rolling => self.sum_as::<RollingTorques>(store, history, threads, kept, deepest),
         }
     }
 
@@ -95,9 +97,10 @@ impl<V: Space> ForcePass<'_, V> {
         store: &mut ParticleStore<V>,
         history: &mut History,
         threads: &Threads,
-        (scratches, history_unchanged): (&mut Vec<ThreadScratch<V>>, bool),
+        kept: KeptScratches<'_, V>,
         deepest: f64,
     ) -> f64 {
+        let KeptScratches { scratches, history_unchanged } = kept;
         let mut loads = std::mem::take(&mut store.loads);
         loads.contacts.resize(if self.counts { store.len() } else { 0 }, 0);
         if C::ROLLING && store.tracks_energy {
@@ -109,7 +112,7 @@ impl<V: Space> ForcePass<'_, V> {
         // The layout of the memories, if memories cross a border between two tasks.
         let over_borders = self.needs.memory.as_ref().filter(|_| tasks.len() > 1);
         if let Some(layout) = over_borders {
-            exchange_halos(scratches, self.list, (pair_histories, layout), history_unchanged);
+            exchange_halos(scratches, self.list, pair_histories, layout, history_unchanged);
         }
         let view = &*store;
         let (halo, places): (Vec<_>, Vec<_>) = scratches
@@ -139,7 +142,7 @@ impl<V: Space> ForcePass<'_, V> {
             workers.push(move || {
                 let largest = worker.sum(pair_histories, wall_histories, spare);
                 if let Some(layout) = over_borders {
-                    export_halo(&task.rows, self.list, (pair_histories, layout), next_halo);
+                    export_halo(&task.rows, self.list, pair_histories, layout, next_halo);
                     *rows = task.rows.clone();
                 }
                 largest

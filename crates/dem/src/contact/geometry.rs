@@ -164,17 +164,26 @@ fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<
     (touches && wall.is_present).then_some(beside)
 }
 
-/// Returns the contact of the free particle in slot `i` with a wall that no other wall is near, if they touch within
-/// the time `ahead`, s. `mass_root` asks for the root of the reduced mass.
+/// The contacts with walls that a search returns, and their data.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallReach {
+    /// Whether the root of the reduced mass is needed.
+    pub(crate) mass_root: bool,
+    /// Contacts that begin within this time count, s.
+    pub(crate) ahead: f64,
+}
+
+/// Returns the contact of the free particle in slot `i` with a wall that no other wall is near, if they touch within the time of
+/// `reach`.
 #[inline(always)]
 #[must_use]
 pub(crate) fn touching_wall<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
     wall: &SurfaceWall<V>,
-    (mass_root, ahead): (bool, f64),
+    reach: WallReach,
 ) -> Option<Pair<V>> {
-    beside_wall(store, i, wall, ahead).map(|beside| wall_pair_at(store, i, wall, &beside, mass_root, 0.0))
+    beside_wall(store, i, wall, reach.ahead).map(|beside| wall_pair_at(store, i, wall, &beside, reach.mass_root, 0.0))
 }
 
 /// The contacts of one particle with walls.

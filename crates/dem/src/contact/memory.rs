@@ -160,16 +160,19 @@ impl MemoryLayout {
     /// Returns the names of the columns of all variables, also of those that are not kept.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
-        let names = |variable: &MemoryVariable| match variable.is_vector {
-            true => ["x", "y", "z"].map(|axis| format!("{}_{axis}", variable.name)).to_vec(),
-            false => vec![variable.name.to_owned()],
+        let names = |variable: &MemoryVariable| {
+            if variable.is_vector {
+                ["x", "y", "z"].map(|axis| format!("{}_{axis}", variable.name)).to_vec()
+            } else {
+                vec![variable.name.to_owned()]
+            }
         };
         self.variables.iter().flat_map(names).collect()
     }
 
     /// Returns the numbers of a memory in the order of [`Self::columns`].
     #[must_use]
-    pub fn to_columns<V: Space>(&self, memory: &Memory) -> Vec<f64> {
+    pub fn numbers_in_columns<V: Space>(&self, memory: &Memory) -> Vec<f64> {
         let mut columns = Vec::new();
         let mut at = 0;
         for variable in self.variables {
@@ -184,7 +187,7 @@ impl MemoryLayout {
 
     /// Returns the memory whose columns have the numbers that `column` returns for their places in [`Self::columns`].
     #[must_use]
-    pub fn from_columns<V: Space>(&self, mut column: impl FnMut(usize) -> f64) -> Memory {
+    pub fn memory_from_columns<V: Space>(&self, mut column: impl FnMut(usize) -> f64) -> Memory {
         let mut memory = Memory { exists: self.keeps_existence, ..Memory::default() };
         let mut at = 0;
         let mut first = 0;
@@ -234,8 +237,8 @@ mod tests {
         let names = ["spring_x", "spring_y", "spring_z", "unused_x", "unused_y", "unused_z", "age", "turn"];
         assert_eq!(layout.columns(), names);
         let memory = numbers(&[1.0, 2.0, 3.0, 4.0]);
-        let columns = layout.to_columns::<Plane>(&memory);
+        let columns = layout.numbers_in_columns::<Plane>(&memory);
         assert_eq!(columns, [1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 3.0, 4.0]);
-        assert_eq!(layout.from_columns::<Plane>(|column| columns[column]), memory);
+        assert_eq!(layout.memory_from_columns::<Plane>(|column| columns[column]), memory);
     }
 }

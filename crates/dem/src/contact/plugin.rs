@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::batch_law::AnyLaw;
-use crate::contact::force_pass::{ForcePass, ScratchPerThread};
+use crate::contact::force_pass::{ForcePass, KeptScratches, ScratchPerThread};
 use crate::contact::history::History;
 use crate::contact::history::remembered::RememberedContacts;
 use crate::contact::law::{LawRequirements, PairLaw};
@@ -73,7 +73,7 @@ fn contact_forces<V: Space>(
     };
     let has_torques = needs.torques != TorqueClass::None;
     store.stale.add(if has_torques { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
-    let kept = (&mut scratches.0, !history.is_changed());
+    let kept = KeptScratches { scratches: &mut scratches.0, history_unchanged: !history.is_changed() };
     let history = history.bypass_change_detection();
     largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
     if !walls.all.is_empty() {
@@ -112,6 +112,8 @@ fn recall_from_start<V: Space>(
 /// `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
 pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
     law: Arc<L>,
+    /// How far contacts reach beyond touch, m, as far as the app does not know it yet.
+    range: f64,
     space: PhantomData<V>,
 }
 
@@ -119,7 +121,14 @@ impl<V: Space, L: PairLaw<V>> ContactPlugin<V, L> {
     /// Uses the law in the space `V`.
     #[must_use]
     pub fn new(law: Arc<L>) -> Self {
-        Self { law, space: PhantomData }
+        Self { law, range: 0.0, space: PhantomData }
+    }
+
+    /// Returns the plugin with a law whose contacts reach up to `range` (m) beyond touch. The neighbour search then finds particles and
+    /// walls that are so far apart.
+    #[must_use]
+    pub fn reaching(self, range: f64) -> Self {
+        Self { range, ..self }
     }
 }
 
@@ -133,6 +142,8 @@ impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
+        let prediction = &mut app.world_mut().resource_mut::<ParticleStore<V>>().into_inner().prediction;
+        prediction.range = prediction.range.max(self.range);
         AnyLaw::<V>(self.law.clone()).add_to(app);
     }
 }

@@ -61,15 +61,15 @@ impl<V: Space> RecordedVelocity<Body<V>, V> for InTheMiddle {
 }
 
 impl<V: Space> RecordedVelocity<Body<V>, V> for Predicted {
-    type Apart = V::Apart;
+    type Apart = V::MiddleBesideBody;
 
     #[inline(always)]
-    fn middle(self, body: &Body<V>, apart: &V::Apart) -> V {
+    fn middle(self, body: &Body<V>, apart: &V::MiddleBesideBody) -> V {
         V::middle(&body.middle, apart)
     }
 
     #[inline(always)]
-    fn store(self, middle: V, gain: V, body: &mut Body<V>, apart: &mut V::Apart) {
+    fn store(self, middle: V, gain: V, body: &mut Body<V>, apart: &mut V::MiddleBesideBody) {
         V::set_middle(middle, &mut body.middle, apart);
         body.velocity = middle + gain * self.share;
     }

@@ -49,7 +49,7 @@ fn drift<V: Space>(
     if store.predicts() {
         let recorded = Predicted { share: store.prediction.share };
         let mut apart = std::mem::take(&mut store.prediction.middle);
-        apart.resize(count, V::Apart::default());
+        apart.resize(count, V::MiddleBesideBody::default());
         let longest = if store.prediction.sweeps {
             let mut swept = std::mem::take(&mut store.prediction.swept);
             swept.resize(count, 0.0);

@@ -140,17 +140,17 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
     /// A row of grid cells along x: the cell numbers along the other axes.
     type Row: Copy + Debug + PartialEq + Send + Sync + 'static;
 
-    /// The velocity in the middle of a step, as a body stores it: in the plane the vector, which fills up a cache line.
-    type Inside: Copy + Default + Debug + Send + Sync + 'static;
-    /// The velocity in the middle of a step, as stored apart from the body: in solid space the vector, because a body fills a
-    /// cache line without it.
-    type Apart: Copy + Default + Debug + Send + Sync + 'static;
+    /// The part of the velocity in the middle of a step that a body stores: in the plane the vector, which fills up a cache line.
+    type MiddleInBody: Copy + Default + Debug + Send + Sync + 'static;
+    /// The part of the velocity in the middle of a step that is stored in an array beside the bodies: in solid space the vector, because a
+    /// body fills a cache line without it.
+    type MiddleBesideBody: Copy + Default + Debug + Send + Sync + 'static;
 
     /// Returns the velocity in the middle of a step.
-    fn middle(inside: &Self::Inside, apart: &Self::Apart) -> Self;
+    fn middle(in_body: &Self::MiddleInBody, beside: &Self::MiddleBesideBody) -> Self;
 
     /// Stores the velocity in the middle of a step.
-    fn set_middle(velocity: Self, inside: &mut Self::Inside, apart: &mut Self::Apart);
+    fn set_middle(velocity: Self, in_body: &mut Self::MiddleInBody, beside: &mut Self::MiddleBesideBody);
 
     /// Returns the first components of a padded vector.
     #[must_use]

@@ -34,8 +34,8 @@ impl Linear for Plane {
 impl Space for Plane {
     const COMPONENTS: usize = 2;
     const DIMENSION: Dimension = Dimension::Plane;
-    type Inside = Self;
-    type Apart = ();
+    type MiddleInBody = Self;
+    type MiddleBesideBody = ();
 
     #[inline(always)]
     fn middle(inside: &Self, (): &()) -> Self {

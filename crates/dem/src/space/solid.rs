@@ -34,8 +34,8 @@ impl Linear for Solid {
 impl Space for Solid {
     const COMPONENTS: usize = 3;
     const DIMENSION: Dimension = Dimension::Solid;
-    type Inside = ();
-    type Apart = Self;
+    type MiddleInBody = ();
+    type MiddleBesideBody = Self;
 
     #[inline(always)]
     fn middle((): &(), apart: &Self) -> Self {

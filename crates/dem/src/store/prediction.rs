@@ -36,7 +36,7 @@ pub struct Prediction<V: Space = Plane> {
     /// Whether velocities are predicted ones.
     pub(crate) is_ahead: bool,
     /// Velocities in the middle of the step, m/s, if the bodies do not hold them.
-    pub(crate) middle: Vec<V::Apart>,
+    pub(crate) middle: Vec<V::MiddleBesideBody>,
     /// Spins in the middle of the step, rad/s.
     pub(crate) middle_spin: Vec<V::Spin>,
 }

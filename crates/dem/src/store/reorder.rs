@@ -202,8 +202,13 @@ impl<V: Space> ParticleStore<V> {
         let Self { former, tracks_energy, inertia, loads, .. } = self;
         let size = former.len();
         let kept = &former[..];
-        let blank =
-            Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0, middle: V::Inside::default() };
+        let blank = Body {
+            position: V::ZERO,
+            velocity: V::ZERO,
+            radius: 0.0,
+            inverse_mass: 0.0,
+            middle: V::MiddleInBody::default(),
+        };
         rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
         rearrange(&mut self.body, size, kept, blank);
         rearrange(&mut self.mass, size, kept, 0.0);

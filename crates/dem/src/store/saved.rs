@@ -154,7 +154,7 @@ impl<V: Space> ParticleStore<V> {
             velocity,
             radius,
             inverse_mass,
-            middle: V::Inside::default(),
+            middle: V::MiddleInBody::default(),
         };
         self.body = saved.body.into_iter().map(body).collect();
         self.id = saved.id;
@@ -174,7 +174,7 @@ impl<V: Space> ParticleStore<V> {
         prediction.margin = saved.prediction.margin;
         prediction.lone = saved.prediction.lone;
         if prediction.velocities_ahead > 0.0 {
-            prediction.middle = vec![V::Apart::default(); rows];
+            prediction.middle = vec![V::MiddleBesideBody::default(); rows];
             prediction.middle_spin = vec![V::Spin::default(); spins];
         }
         self.half_step = saved.half_step;

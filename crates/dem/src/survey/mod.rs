@@ -3,6 +3,7 @@
 //! It uses the positions of the store, the neighbour list of the last force pass, and the contact history after it. It
 //! is therefore valid from that pass until the next renumbering.
 
+pub mod contact_state;
 pub mod pair_forces;
 pub mod pair_map;
 pub mod touching;

@@ -27,8 +27,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::particle::GrainId;
 use crate::space::Space;
+use crate::survey::contact_state::Touched;
 use crate::survey::touching::Touching;
-use crate::survey::view::{ContactView, Touched};
+use crate::survey::view::ContactView;
 
 /// A value of type `T` for each contact.
 #[derive(Clone, Debug, Deserialize, Serialize)]

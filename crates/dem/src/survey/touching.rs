@@ -10,7 +10,7 @@ use crate::contact::pair::Pair;
 use crate::contact::pair_force::PairForce;
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
-use crate::survey::view::{ContactState, Touched};
+use crate::survey::contact_state::{ContactState, Touched};
 use crate::survey::{Partner, Survey};
 
 /// One contact, seen from the particle in the lower slot, which is free. SI.

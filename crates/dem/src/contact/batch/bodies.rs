@@ -169,7 +169,8 @@ impl<V: Space> Bodies<V> {
     pub fn measure(
         &mut self,
         lanes: usize,
-        (numbers, mass_root): (BodyNumbers, bool),
+        numbers: BodyNumbers,
+        mass_root: bool,
         instructions: InstructionSet,
     ) -> bool {
         match numbers {
@@ -225,7 +226,7 @@ mod tests {
                 velocity: at(4),
                 radius: number(7),
                 inverse_mass: number(8),
-                middle: V::Inside::default(),
+                middle: V::MiddleInBody::default(),
             }
         };
         for instructions in InstructionSet::all() {
@@ -241,7 +242,7 @@ mod tests {
                 };
                 assert_eq!(taken, measured);
             }
-            assert!(!bodies.measure(LANES, (numbers, true), instructions));
+            assert!(!bodies.measure(LANES, numbers, true, instructions));
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;

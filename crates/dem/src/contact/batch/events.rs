@@ -86,7 +86,7 @@ impl<V: Space> Batch<V> {
             if L::REACHES {
                 self.output.contact(lane);
                 // A contact that forms after this evaluation does not exist yet.
-                if memory.exists || !(pair.overlap <= 0.0) {
+                if memory.exists || pair.overlap > 0.0 {
                     memory.exists = true;
                 } else {
                     memory = Memory::default();

@@ -47,6 +47,7 @@ impl<V: Space> Batch<V> {
     }
 
     /// Selects with separations measured by `metric`. Numbers of each body are loaded if `INDIVIDUAL` is set, else sums.
+    #[expect(clippy::redundant_locals, reason = "the closure copies captured variables")]
     fn select_by<'c, const INDIVIDUAL: bool, const SWEPT: bool>(
         &mut self,
         metric: impl Metric<V>,
@@ -114,7 +115,7 @@ mod tests {
             velocity: V::ZERO,
             radius: 0.01,
             inverse_mass: 1.0,
-            middle: V::Inside::default(),
+            middle: V::MiddleInBody::default(),
         };
         store.body.push(at(0.0));
         store.body.extend(others.iter().map(|&[gap, _]| at(0.02 + gap)));

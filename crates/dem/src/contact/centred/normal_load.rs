@@ -22,11 +22,21 @@ pub struct NormalLoad {
     pub fades: bool,
     /// Time during which springs accumulate, s: the whole step, or from the event to its end, or 0 across a gap.
     pub gathering: f64,
-    /// The event of this step at which the contact opened or the normal force changed sign: time from the event to the
-    /// end of the step (s), normal force just after the event (N), and whether the contact opened.
-    pub event: Option<(f64, f64, bool)>,
+    /// The event of this step at which the contact opened or the normal force changed sign.
+    pub event: Option<LoadEvent>,
     /// The end of the normal force in the step centred on the end.
     pub unloading: Option<Unloading>,
+}
+
+/// A moment within a step at which a contact opens or its normal force changes its sign.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadEvent {
+    /// Time from the event to the end of the step, s.
+    pub ago: f64,
+    /// Normal force just after the event, N.
+    pub force: f64,
+    /// Whether the contact opens.
+    pub opens: bool,
 }
 
 /// The end of a falling normal force within the step centred on the evaluation.
@@ -96,7 +106,7 @@ impl NormalLoad {
             mobilities,
             dt,
             springs_ahead,
-            event: self.event.map(|(ago, force, opens)| Event { ago, cap: friction * force.abs(), opens }),
+            event: self.event.map(|LoadEvent { ago, force, opens }| Event { ago, cap: friction * force.abs(), opens }),
             gathering: self.gathering,
             shares: self.shares,
             spring_shares: self.shares,

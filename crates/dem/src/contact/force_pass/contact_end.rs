@@ -1,6 +1,6 @@
 //! The energy that a contact loses where it ends.
 
-use crate::contact::force_pass::ForcePass;
+use crate::contact::force_pass::input::ForcePass;
 use crate::contact::geometry::{ended_pair, ended_wall_pair};
 use crate::contact::history::losses::EndLosses;
 use crate::contact::memory::Memory;

@@ -34,19 +34,28 @@ pub struct ThreadScratch<V: Space> {
 #[derive(Resource, Debug, Default)]
 pub struct ScratchPerThread<V: Space>(pub Vec<ThreadScratch<V>>);
 
+/// The scratch that a pass takes over from the last one.
+pub struct KeptScratches<'a, V: Space> {
+    /// The scratch of each thread.
+    pub scratches: &'a mut Vec<ThreadScratch<V>>,
+    /// Whether the contact history is as the last pass with this scratch has left it.
+    pub history_unchanged: bool,
+}
+
 /// Makes the exports of the last pass the imports of this pass. The exports are made again if the history has changed
 /// since (`history_unchanged` is false) or the rows of the tasks have changed.
 pub(super) fn exchange_halos<V: Space>(
     scratches: &mut [ThreadScratch<V>],
     list: &PairList,
-    (histories, layout): (&[HistoryBlock], &MemoryLayout),
+    histories: &[HistoryBlock],
+    layout: &MemoryLayout,
     history_unchanged: bool,
 ) {
     let tasks = list.tasks();
     if !history_unchanged || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
             let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
-            export_halo(rows, list, (own, layout), &mut scratch.next_halo);
+            export_halo(rows, list, own, layout, &mut scratch.next_halo);
         }
     }
     for scratch in scratches {
@@ -58,7 +67,8 @@ pub(super) fn exchange_halos<V: Space>(
 pub(super) fn export_halo(
     rows: &Range<usize>,
     list: &PairList,
-    (histories, layout): (&[HistoryBlock], &MemoryLayout),
+    histories: &[HistoryBlock],
+    layout: &MemoryLayout,
     next_halo: &mut HistoryBlock,
 ) {
     next_halo.clear();

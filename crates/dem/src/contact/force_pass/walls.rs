@@ -4,9 +4,9 @@
 //! The loads on walls are summed too ([`WallLoad`]). A load is the force *on the wall*: the load on a floor under
 //! gravity points down.
 
-use crate::contact::force_pass::ForcePass;
+use crate::contact::force_pass::input::ForcePass;
 use crate::contact::force_pass::worker::{Block, Worker, recall};
-use crate::contact::geometry::{WallContacts, touching_wall};
+use crate::contact::geometry::{WallContacts, WallReach, touching_wall};
 use crate::contact::lanes::LANES;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
@@ -23,16 +23,16 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         let near = self.near.split_off(..count).unwrap_or_default();
         let view = self.view;
         let walls = pass.walls;
-        let limits = (self.mass_root, view.prediction.velocities_ahead);
+        let reach = WallReach { mass_root: self.mass_root, ahead: view.prediction.velocities_ahead };
         let mut contacts = WallContacts::default();
         let has_images = pass.needs.memory.is_some() && !pass.twins.is_empty();
         for row in near.chunk_by(|a, b| a.first() == b.first()) {
             let i = row[0].first();
             if has_images {
-                self.follow_through_sides(row, limits, &mut block);
+                self.follow_through_sides(row, reach, &mut block);
             }
             if let &[contact] = row {
-                if let Some(pair) = touching_wall(view, i, &walls[contact.second()], limits) {
+                if let Some(pair) = touching_wall(view, i, &walls[contact.second()], reach) {
                     self.push_wall(contact, &pair, &mut block);
                 }
                 continue;
@@ -43,8 +43,8 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
                     block.cursor.rename(row[0].with_partner(from), to);
                 }
             };
-            contacts.find(view, i, (walls, row.iter().map(|contact| contact.second())), limits.1, follow);
-            for (wall, pair) in contacts.pairs(view, i, walls, limits.0) {
+            contacts.find(view, i, (walls, row.iter().map(|contact| contact.second())), reach.ahead, follow);
+            for (wall, pair) in contacts.pairs(view, i, walls, reach.mass_root) {
                 self.push_wall(row[0].with_partner(wall), &pair, &mut block);
             }
         }
@@ -57,10 +57,10 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Gives the memories of a grain to the images that it touches after it has passed through a periodic side: those of surfaces that it
     /// has left thereby.
     #[cold]
-    fn follow_through_sides(&self, row: &[Candidate], limits: (bool, f64), block: &mut Block<'_>) {
+    fn follow_through_sides(&self, row: &[Candidate], reach: WallReach, block: &mut Block<'_>) {
         let view = self.view;
         let ForcePass { walls, twins, .. } = self.pass;
-        let touches = |wall: usize| touching_wall(view, row[0].first(), &walls[wall], limits).is_some();
+        let touches = |wall: usize| touching_wall(view, row[0].first(), &walls[wall], reach).is_some();
         for contact in row {
             for other in twins.of_surface(contact.second()) {
                 let former = contact.with_partner(other);

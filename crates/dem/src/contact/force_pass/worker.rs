@@ -4,7 +4,8 @@ use std::marker::PhantomData;
 
 use crate::contact::batch::{Batch, Call, EventStep, Predict, Velocities};
 use crate::contact::force_accumulation::ForceAccumulation;
-use crate::contact::force_pass::{ForcePass, HaloImport};
+use crate::contact::force_pass::input::ForcePass;
+use crate::contact::force_pass::thread_scratch::HaloImport;
 use crate::contact::geometry::coincident;
 use crate::contact::history::losses::{ContactLosses, EndLosses};
 use crate::contact::history::{HistoryBlock, HistoryCursor};
@@ -167,7 +168,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     fn evaluate_batch(&mut self) {
         self.load_requirements();
         let lanes = self.batch.lanes();
-        if self.batch.bodies.measure(lanes, (self.pass.needs.bodies, self.mass_root), self.pass.instructions) {
+        if self.batch.bodies.measure(lanes, self.pass.needs.bodies, self.mass_root, self.pass.instructions) {
             let id = &self.view.id;
             let pairs = &self.batch.pairs;
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
@@ -242,7 +243,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             self.take_marks();
             let Block { cursor, lost, .. } = block;
             recall(self.batch, cursor, |contact, memory| {
-                lost.add(self.pass.on_contact_end(self.view, contact, memory))
+                lost.add(self.pass.on_contact_end(self.view, contact, memory));
             });
         }
         self.evaluate_batch();

@@ -170,8 +170,8 @@ fn check_names(columns: &[String]) -> Result<(), String> {
         return Err(format!("unknown field `{unknown}`, expected one of {}", known.join(", ")));
     }
     // Files of earlier versions have no twist.
-    let required = own.iter().filter(|name| *name != spring_memory::TWIST.name);
-    match required.into_iter().find(|name| !columns.contains(name)) {
+    let mut required = own.iter().filter(|name| *name != spring_memory::TWIST.name);
+    match required.find(|name| !columns.contains(name)) {
         Some(missing) => Err(format!("missing field `{missing}`")),
         None => Ok(()),
     }
@@ -229,7 +229,7 @@ impl History {
             grain: grain.number(),
             with,
             number,
-            numbers: layout.to_columns::<V>(memory),
+            numbers: layout.numbers_in_columns::<V>(memory),
             wall: None,
             at: [None; 3],
         };
@@ -276,7 +276,8 @@ impl History {
         let mut walls = Vec::new();
         for row in &contacts.rows {
             let Some(i) = slot(GrainId::grain(row.grain)) else { continue };
-            let memory = layout.from_columns::<V>(|column| places[column].map_or(0.0, |place| row.numbers[place]));
+            let memory =
+                layout.memory_from_columns::<V>(|column| places[column].map_or(0.0, |place| row.numbers[place]));
             let j = match row.with {
                 PartnerKind::Grain => slot(GrainId::grain(row.number)),
                 PartnerKind::WallGrain => slot(GrainId::numbered_wall(row.number)),

@@ -151,7 +151,7 @@ mod tests {
             velocity: V::from_components(|axis| if axis == 0 { speed } else { 0.0 }),
             radius,
             inverse_mass: 1.0,
-            middle: V::Inside::default(),
+            middle: V::MiddleInBody::default(),
         };
         let sides = PeriodicSides { x: Some((0.0, 2.0)), ..PeriodicSides::default() };
         ParticleStore {
