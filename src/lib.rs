@@ -104,10 +104,6 @@ pub mod prelude {
     pub use siloflow_dem::survey::pair_forces::PairForces;
     pub use siloflow_dem::survey::pair_map::PairMap;
     pub use siloflow_dem::survey::touching::Touching;
-<<<<<<< HEAD
-    pub use siloflow_dem::survey::view::{ContactState, ContactView, Touched};
-    pub use siloflow_files::frames::scale::{Palette, Scale};
-=======
     pub use siloflow_dem::survey::view::ContactView;
->>>>>>> 759838cfd77131659a76e9631df5449142081e56
+    pub use siloflow_files::frames::scale::{Palette, Scale};
 }

@@ -39,37 +39,6 @@ use crate::neighbours::list::BLOCK;
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
-<<<<<<< HEAD
-use crate::walls::surface_wall::SurfaceWall;
-use crate::walls::twins::Twins;
-
-/// The input of a contact pass besides the particle store.
-pub struct ForcePass<'a, V: Space> {
-    /// The contact law.
-    pub law: &'a dyn BatchLaw<V>,
-    /// The requirements of the law.
-    pub needs: Needs,
-    /// Candidate pairs. With velocity prediction, pairs with a lone particle are marked.
-    pub list: &'a PairList,
-    /// The wall surfaces.
-    pub walls: &'a [SurfaceWall<V>],
-    /// Their images beyond periodic sides.
-    pub twins: &'a Twins,
-    /// Pairs of a particle and a wall that may touch, ascending.
-    pub near: &'a [Candidate],
-    /// Time by which memories advance, s.
-    pub dt: f64,
-    /// Whether this is the first pass of a run, whose forces act in half a step only.
-    pub starts: bool,
-    /// Whether this pass counts contacts.
-    pub counts: bool,
-    /// Acceleration of gravity, m/s^2.
-    pub gravity: V,
-    /// Instruction set of the lane loops.
-    pub instructions: InstructionSet,
-}
-=======
->>>>>>> 759838cfd77131659a76e9631df5449142081e56
 
 impl<V: Space> ForcePass<'_, V> {
     /// Sets the loads of `store` to the sums of weight and all contact forces.

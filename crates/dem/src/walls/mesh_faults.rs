@@ -59,8 +59,8 @@ pub fn reversed(triangles: &[[Solid; 3]]) -> usize {
 struct Edge {
     /// Index of the triangle.
     triangle: usize,
-    /// Index of the edge in the triangle.
-    edge: usize,
+    /// Index of the edge among the sides of the triangle.
+    side: usize,
     /// Whether the edge runs from the lower to the higher corner.
     is_forward: bool,
 }
@@ -69,19 +69,19 @@ fn key(corner: Solid) -> [u64; 3] {
     (corner + Solid::ZERO).to_array().map(f64::to_bits)
 }
 
-fn ends(triangles: &[[Solid; 3]], triangle: usize, edge: usize) -> [Solid; 2] {
-    [triangles[triangle][edge], triangles[triangle][(edge + 1) % 3]]
+fn ends(triangles: &[[Solid; 3]], triangle: usize, side: usize) -> [Solid; 2] {
+    [triangles[triangle][side], triangles[triangle][(side + 1) % 3]]
 }
 
 /// Returns the edges by their ends.
 fn edges(triangles: &[[Solid; 3]]) -> FxHashMap<[[u64; 3]; 2], Vec<Edge>> {
     let mut edges: FxHashMap<_, Vec<Edge>> = FxHashMap::default();
     for triangle in 0..triangles.len() {
-        for edge in 0..3 {
-            let [from, to] = ends(triangles, triangle, edge).map(key);
+        for side in 0..3 {
+            let [from, to] = ends(triangles, triangle, side).map(key);
             let is_forward = from <= to;
             let ends = if is_forward { [from, to] } else { [to, from] };
-            edges.entry(ends).or_default().push(Edge { triangle, edge, is_forward });
+            edges.entry(ends).or_default().push(Edge { triangle, side, is_forward });
         }
     }
     edges
@@ -97,11 +97,11 @@ fn t_junctions(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<usi
     let mut open: Vec<Edge> =
         edges(triangles).into_values().filter(|found| found.len() == 1).map(|found| found[0]).collect();
     open.sort_unstable();
-    let places: BTreeSet<_> = open.iter().flat_map(|edge| ends(triangles, edge.triangle, edge.edge)).map(key).collect();
+    let places: BTreeSet<_> = open.iter().flat_map(|edge| ends(triangles, edge.triangle, edge.side)).map(key).collect();
     let corners: Vec<Solid> = places.into_iter().map(|place| Solid::from_array(place.map(f64::from_bits))).collect();
     let tree = BoxTree::new(&corners.iter().map(|corner| [corner.to_array(); 2]).collect::<Vec<_>>());
     let is_divided = |edge: Edge| {
-        let [from, to] = ends(triangles, edge.triangle, edge.edge);
+        let [from, to] = ends(triangles, edge.triangle, edge.side);
         let way = to - from;
         let tolerance = ON * way.length();
         let found = tree.search(

@@ -5,7 +5,7 @@ use crate::contact::needs::Needs;
 use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::{Candidate, PairList};
 use crate::space::Space;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surface_wall::SurfaceWall;
 use crate::walls::twins::Twins;
 
 /// The input of a force pass besides the particle store.

@@ -131,7 +131,7 @@ impl WallShape {
     /// Returns the lowest and the highest coordinates of a shape with ends, m; z is 0 in the plane.
     pub(super) fn bounds(&self) -> Option<[Solid; 2]> {
         let surfaces = self.surfaces(FiniteVector::padded);
-        let corners: Vec<_> = surfaces.iter().filter_map(|surface| surface.bounds()).flatten().collect();
+        let corners: Vec<_> = surfaces.iter().filter_map(Surface::bounds).flatten().collect();
         box_around(&corners)
     }
 

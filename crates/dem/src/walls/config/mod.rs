@@ -104,3 +104,35 @@ impl Wall {
         self.is_surface().then(|| self.shape.bounds())?
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ron::Error;
+    use ron::error::SpannedResult;
+    use ron::extensions::Extensions;
+
+    use super::*;
+
+    fn read(text: &str) -> SpannedResult<Wall> {
+        ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME).from_str(text)
+    }
+
+    #[test]
+    fn a_wall_is_one_value_of_the_keys_of_its_shape_and_those_of_every_wall() {
+        let ball = read("Sphere(centre: (0.0, 0.0, 1.0), radius: 0.5, species: 2, name: \"bob\", door: true)").unwrap();
+        assert!(matches!(ball.shape, WallShape::Disc { .. }));
+        assert_eq!((ball.species, ball.name(), ball.door), (2, Some("bob"), true));
+        let text = ron::to_string(&ball).unwrap();
+        assert!(text.starts_with("Disc(centre:"), "{text}");
+        assert!(text.ends_with("species:2,name:Some(\"bob\"),door:true)"), "{text}");
+        let line = read("Segment(from: (0.0, 0.0), to: (1.0, 0.0))").unwrap();
+        assert_eq!((line.species, line.name(), line.door), (0, None, false));
+    }
+
+    #[test]
+    fn a_key_that_does_not_exist_is_answered_with_all_keys() {
+        let error = read("Segment(from: (0.0, 0.0), too: (1.0, 0.0))").unwrap_err();
+        let Error::NoSuchStructField { expected, .. } = error.code else { panic!("{error}") };
+        assert_eq!(expected, ["from", "to", "species", "name", "door"]);
+    }
+}
