@@ -84,10 +84,10 @@ pub mod prelude {
     pub use crate::ledger::Ledger;
     pub use crate::measure::outputs::OutputApp;
     pub use crate::measure::{ObserveStage, due, observe_every};
-    pub use crate::output::run_path::RunPath;
     pub use crate::scene::load;
     pub use crate::scene::loaded::Loaded;
     pub use crate::simulation::Simulation;
+    pub use crate::writers::run_path::RunPath;
     pub use siloflow_dem::contact::memory::{Memory, MemoryVariable, Parity};
     pub use siloflow_dem::contact::{Bounce, ContactPlugin, LawRequirements, Pair, PairForce, PairLaw};
     pub use siloflow_dem::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};

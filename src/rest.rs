@@ -16,7 +16,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::grains::spawner::Pending;
+use crate::grains::pending::Pending;
 use siloflow_dem::gravity::Gravity;
 use siloflow_dem::messages::CameToRest;
 use siloflow_dem::particles::Motion;

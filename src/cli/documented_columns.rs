@@ -17,7 +17,7 @@ use siloflow_files::columns::{Column, Spaces};
 use crate::grains::file::write as grains;
 use crate::lattice_silo;
 use crate::measure::fields::{Layout, MEANS};
-use crate::output::{fields, flow, losses, profiles, series, wall_bands, walls};
+use crate::output::{fields, flow, losses, profiles, series, summary, wall_bands, walls};
 
 const PAGE: &str = "docs/reference/run-directory.md";
 const RENEW: &str = "SILOFLOW_RENEW_TABLES";
@@ -113,8 +113,8 @@ fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("### `flow.csv`", rows(&[flow::COLUMNS])),
         ("### `losses.csv`", rows(&[losses::COLUMNS])),
         ("### `series.csv` of the lattice gas", lattice_series_rows()),
-        ("### `flow.csv` of the lattice gas", rows(&[lattice_silo::flow::COLUMNS])),
-        ("### `state.csv` of the lattice gas", rows(&[lattice_silo::summary::STATE])),
+        ("### `flow.csv` of the lattice gas", rows(&[flow::lattice::COLUMNS])),
+        ("### `state.csv` of the lattice gas", rows(&[summary::lattice::STATE])),
     ]
 }
 

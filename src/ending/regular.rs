@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::ending::request::StopRequest;
-use crate::grains::spawner::Pending;
+use crate::grains::pending::Pending;
 use crate::ledger::{GrainsAccounted, Ledger};
 use siloflow_dem::messages::CameToRest;
 use siloflow_dem::outcome::{End, Outcome};

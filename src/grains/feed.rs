@@ -24,8 +24,9 @@ use serde::{Deserialize, Serialize};
 
 use self::inlet::{Inlet, Progress, Released};
 use crate::grains::mass::MassLaw;
+use crate::grains::pending::{LeftOfSpawner, Pending};
 use crate::grains::region::Region;
-use crate::grains::spawner::{Pending, RadiusLaw, SpawnerState};
+use crate::grains::sizes::RadiusLaw;
 use siloflow_dem::messages::GrainReleased;
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Velocity};
@@ -247,7 +248,7 @@ pub struct FeedPlugin<V: Space> {
 
 /// Refuses restored counts of grains to come that are not those of the spawner and the feeds.
 pub(super) fn check_restored<V: Space>(world: &mut World) -> Result<(), Problem> {
-    let of_spawner = world.get_resource::<SpawnerState<V>>().map_or(0, SpawnerState::left);
+    let of_spawner = world.get_resource::<LeftOfSpawner>().map_or(0, |left| left.0(world));
     let inlets = world.get_resource::<Feeds<V>>().map_or(&[][..], |feeds| &feeds.inlets);
     let of_feeds = inlets.iter().map(|inlet| u64::from(inlet.left.unwrap_or(1))).sum::<u64>();
     let figures = world.get_resource::<FeedFigures>().map_or(&[][..], |figures| &figures.0);

@@ -18,7 +18,7 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::occupied::Occupied;
-use crate::grains::spawner::{GrainSize, RadiusLaw};
+use crate::grains::sizes::{GrainSize, RadiusLaw};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
 use siloflow_dem::space::{Dimension, Solid};

@@ -6,7 +6,9 @@ pub mod fill;
 pub(crate) mod grain_snapshot;
 pub mod mass;
 pub mod occupied;
+pub mod pending;
 pub mod region;
+pub mod sizes;
 pub mod spawner;
 
 /// Most grains at the start of a scene, from its file and all its fills: more exceed the memory of most machines, or are a typing

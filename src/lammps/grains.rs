@@ -7,8 +7,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use crate::lammps::outputs::up;
-use crate::lammps::releases::all_grains;
+use crate::lammps::quantities::{all_grains, up};
 use crate::lammps::{DATA, motions, number, vector};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Solid};

@@ -25,7 +25,7 @@ mod tsuji;
 use std::fmt::Write as _;
 
 use crate::lammps::laws::tsuji::tsuji;
-use crate::lammps::releases::all_grains;
+use crate::lammps::quantities::all_grains;
 use crate::lammps::{number, refused};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::contact::config::{Contact, Friction, HertzFriction};

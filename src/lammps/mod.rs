@@ -10,6 +10,7 @@ mod grains;
 mod laws;
 mod motions;
 mod outputs;
+mod quantities;
 mod releases;
 mod stages;
 mod walls;
@@ -18,6 +19,7 @@ use std::fmt::Write as _;
 
 use crate::door::{DoorMotion, DoorOpens};
 use crate::lammps::grains::Particles;
+use crate::lammps::quantities::all_grains;
 use crate::scene::TimeStep;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::integrate::Integrator;
@@ -51,7 +53,7 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     let laws = laws::laws(loaded)?;
     let walls = walls::walls(loaded, &laws)?;
     let particles = Particles::of(loaded);
-    let grains = releases::all_grains(loaded).count();
+    let grains = all_grains(loaded).count();
     check_identifiers(loaded, particles.next_id() + grains - loaded.grains.len() - 1)?;
     let mut differences = differences(loaded, &laws, &walls);
     let course = stages::course(loaded, &walls, &particles)?;
@@ -101,10 +103,10 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     if scene.kick.is_some() {
         return refuse("kick", "kicks that restart the flow are not written", "export without it");
     }
-    if releases::all_grains(loaded).next().is_none() {
+    if all_grains(loaded).next().is_none() {
         return refuse("fill", "there are no grains", "give `grains`, `fill` or `spawner`");
     }
-    if releases::all_grains(loaded).any(|grain| grain.id.number() == 0) {
+    if all_grains(loaded).any(|grain| grain.id.number() == 0) {
         let reason = "a grain has the id 0, and the identifiers of LAMMPS begin at 1";
         return refuse("grains.file", reason, "give it another id in the file of grains");
     }

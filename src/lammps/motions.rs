@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use crate::door::{DoorMotion, DoorOpens};
-use crate::lammps::stages::first_step;
+use crate::lammps::quantities::first_step;
 use crate::lammps::{number, refused, vector};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Solid;

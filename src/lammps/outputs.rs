@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use crate::lammps::grains::Particles;
 use crate::lammps::number;
+use crate::lammps::quantities::{steps, up};
 use crate::lammps::walls::Walls;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::spin::InertiaLaw;
@@ -20,23 +21,11 @@ pub(super) fn step_zero(loaded: &Loaded) -> String {
     )
 }
 
-/// Number of steps of a time, at least 1.
-pub(super) fn steps(time: f64, dt: f64) -> u64 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of steps; saturates")]
-    let steps = (time / dt).round().max(1.0) as u64;
-    steps
-}
-
 /// Level below which grains are out, m: the middle of the lowest door, or the cull line.
 fn outlet_level(loaded: &Loaded) -> Option<f64> {
     let up = up(loaded);
     let doors = loaded.outlets().into_iter().map(|[low, high]| 0.5 * (low[up] + high[up]));
     doors.reduce(f64::min).or(loaded.scene.cull.map(|cull| cull.below.get()))
-}
-
-/// The axis of heights: the last one.
-pub(super) fn up(loaded: &Loaded) -> usize {
-    loaded.scene.space.count() - 1
 }
 
 /// Variables and fixes of the files.

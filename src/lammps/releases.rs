@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use crate::door::DoorOpens;
 use crate::grains::file::GrainRow;
 use crate::lammps::grains::Particles;
-use crate::lammps::outputs::steps;
+use crate::lammps::quantities::{released, steps};
 use crate::lammps::{number, refused, vector};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Plane, Solid};
@@ -16,21 +16,6 @@ use siloflow_text::fault::Fault;
 
 /// Tests of an occupied place in an interval.
 const TESTS: u64 = 20;
-
-/// All grains of a scene: those of the start, then those of the spawner in the order of their release.
-pub(super) fn all_grains(loaded: &Loaded) -> impl Iterator<Item = GrainRow> {
-    loaded.grains.iter().copied().chain(released(loaded))
-}
-
-fn released(loaded: &Loaded) -> Vec<GrainRow> {
-    let (Some(spawner), Some(mass)) = (&loaded.scene.spawner, loaded.scene.mass) else { return Vec::new() };
-    let seed = loaded.scene.seed;
-    let first = loaded.first_free_id();
-    match loaded.scene.space {
-        Dimension::Plane => spawner.grains::<Plane>(mass, seed, first),
-        Dimension::Solid => spawner.grains::<Solid>(mass, seed, first),
-    }
-}
 
 /// Commands that release the grains of the spawner.
 ///

@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 use crate::door::DoorOpens;
 use crate::ending::stop::conditions::StopCondition;
 use crate::lammps::grains::Particles;
-use crate::lammps::outputs::steps;
-use crate::lammps::releases::{self, all_grains};
+use crate::lammps::quantities::{all_grains, first_step, steps};
+use crate::lammps::releases;
 use crate::lammps::walls::Walls;
 use crate::lammps::{number, refused};
 use crate::rest::Rest;
@@ -79,11 +79,6 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     let _ = writeln!(script, "run {last} upto\n{CLOCK}label end");
     script.push_str(SUMMARY);
     Ok(Course { script, differences })
-}
-
-/// Returns the first step that has reached a time (s), by the rule of [`Clock::has_reached`](siloflow_dem::step::Clock::has_reached).
-pub(super) fn first_step(time: f64, dt: f64) -> f64 {
-    (time / dt - 1e-3).ceil().max(0.0)
 }
 
 /// Commands that test for rest; returns the steps between tests.

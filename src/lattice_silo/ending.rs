@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use crate::ending::regular::{EmptyTime, end_at_rest};
 use crate::ending::request::StopRequest;
-use crate::grains::spawner::Pending;
+use crate::grains::pending::Pending;
 use crate::lattice_silo::door::DoorState;
 use siloflow_dem::outcome::{End, Outcome};
 use siloflow_dem::persist::PersistApp as _;

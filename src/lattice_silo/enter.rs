@@ -8,7 +8,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::grains::spawner::Pending;
+use crate::grains::pending::Pending;
 use crate::lattice_silo::step::LatticeStage;
 use siloflow_dem::space::Plane;
 use siloflow_dem::step::{Clock, Step};

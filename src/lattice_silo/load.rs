@@ -6,7 +6,6 @@ use crate::lattice_silo::door::Door;
 use crate::lattice_silo::loaded::{LoadedLattice, polygon};
 use crate::lattice_silo::scene::{LatticeScene, Method};
 use crate::lattice_silo::validity;
-use crate::scene::KEYS;
 use siloflow_lattice::sites::Sites;
 use siloflow_text::fault::Fault;
 use siloflow_text::source::Source;
@@ -25,7 +24,7 @@ impl LoadedLattice {
     /// # Errors
     /// If the text is not a valid lattice-gas scene or breaks a rule between keys.
     pub fn new(mut source: Source, settings: &[(String, String)]) -> Result<Self, Fault> {
-        source.reference = KEYS;
+        source.reference = include_str!("../../docs/reference/scene-file.md");
         let scene: LatticeScene = source.parse(settings)?;
         let Method::LatticeGas(rules) = scene.method else {
             return Err(source

@@ -23,7 +23,6 @@
 pub mod check;
 pub mod door;
 pub mod enter;
-pub(crate) mod flow;
 pub(crate) mod limits;
 pub mod load;
 pub mod loaded;
@@ -34,7 +33,6 @@ pub mod rest;
 pub mod scene;
 pub mod series;
 pub mod step;
-pub mod summary;
 
 mod ending;
 mod validity;

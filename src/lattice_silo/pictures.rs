@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::lattice_silo::door::DoorState;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::output::run_path::RunPath;
 use crate::writers::picture_writer::PictureWriter;
+use crate::writers::run_path::RunPath;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::space::Vector;
 use siloflow_dem::step::{Clock, Step};

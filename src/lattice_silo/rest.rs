@@ -9,7 +9,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::grains::spawner::Pending;
+use crate::grains::pending::Pending;
 use crate::lattice_silo::series::means;
 use siloflow_dem::messages::CameToRest;
 use siloflow_dem::persist::{PersistApp as _, Problem};

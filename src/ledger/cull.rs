@@ -3,18 +3,16 @@
 //! The culler runs every [`CULL_INTERVAL`] steps, so that grains leave together. Slots, neighbour list and contact memories are renumbered when a grain has left, which
 //! takes as long as several steps, and a discharging silo loses a grain in nearly every step.
 
-use std::collections::HashSet;
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::ledger::grain_accounting::{account_for_grains, count_released};
+use crate::ledger::grain_accounting::{Culled, account_for_grains, count_released};
 use crate::ledger::{GrainState, GrainStates, Ledger, watch_paths};
 use siloflow_dem::displacement_trigger::DisplacementTrigger;
 use siloflow_dem::messages::GrainLost;
-use siloflow_dem::particle::GrainId;
 use siloflow_dem::particles::Particles;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::Space;
@@ -37,10 +35,6 @@ const CULL_INTERVAL: u64 = 32;
 fn is_due(clock: Res<Clock>) -> bool {
     clock.steps.is_multiple_of(CULL_INTERVAL)
 }
-
-/// Ids of grains that the culler has despawned, until the store reports their removal.
-#[derive(Resource, Default, Deserialize, Serialize)]
-pub(super) struct Culled(pub(super) HashSet<GrainId>);
 
 /// Fires when a grain may be below the cull line.
 #[derive(Resource, Default, Deserialize, Serialize)]

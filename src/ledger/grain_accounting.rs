@@ -9,7 +9,6 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::ledger::cull::Culled;
 use crate::ledger::departures::Departures;
 use crate::ledger::format_position;
 use siloflow_dem::messages::{GrainLost, GrainOut, GrainReleased};
@@ -19,6 +18,10 @@ use siloflow_dem::persist::{PersistApp as _, Problem};
 use siloflow_dem::space::Space;
 use siloflow_dem::step::{Clock, Phase, Step};
 use siloflow_dem::store::{BeforeRenumbering, ParticleStore, Renumber};
+
+/// Ids of grains that the culler has despawned, until the store reports their removal.
+#[derive(Resource, Default, Deserialize, Serialize)]
+pub(super) struct Culled(pub(super) HashSet<GrainId>);
 
 /// The scene key `on_loss`: effect of a lost grain on the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]

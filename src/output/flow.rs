@@ -7,10 +7,12 @@
 //! `COLUMNS` has the columns.
 //!
 //! A run of the lattice gas has the same file, with `sample` in steps and its own unit of velocity
-//! ([`lattice_silo::flow`](crate::lattice_silo::flow)).
+//! ([`output::flow::lattice`](crate::output::flow::lattice)).
 //!
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.
+
+pub(crate) mod lattice;
 
 use std::fmt::Write as _;
 use std::marker::PhantomData;

@@ -10,7 +10,6 @@ pub mod outflow;
 pub mod parent;
 pub mod pictures;
 pub mod profiles;
-pub mod run_path;
 pub mod series;
 pub mod state_hash;
 pub mod summary;

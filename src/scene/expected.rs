@@ -9,7 +9,7 @@
 use crate::grains::feed::Feed;
 use crate::measure::fields::Layout;
 use crate::scene::TimeStep;
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::Loaded;
 use crate::scene::view;
 use crate::writers::volume::Output;

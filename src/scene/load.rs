@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::grains::file::{self, Kind};
 use crate::lattice_silo::loaded::LoadedLattice;
 use crate::scene::check::automatic;
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
 use siloflow_dem::contact::history::remembered::{self, RememberedContacts};

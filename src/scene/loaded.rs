@@ -5,7 +5,7 @@ mod walls;
 
 use crate::grains::file::GrainRow;
 use crate::grains::fill::FixedGrain;
-use crate::grains::spawner::RadiusLaw;
+use crate::grains::sizes::RadiusLaw;
 use crate::lattice_silo::loaded::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
 use crate::measure::profile::Profile;

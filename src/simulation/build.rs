@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
 use crate::ending::request::StopRequest;
-use crate::grains::spawner::Pending;
+use crate::grains::pending::Pending;
 use crate::measure::outputs::{self, Reserved};
 use crate::output::series;
 use crate::plugins::{AddPaths, add_all, planar_paths, solid_paths};

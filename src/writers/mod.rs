@@ -1,10 +1,12 @@
-//! Writers of the app: CSV rows that survive a crash of the run, a thread that writes pictures during a run, and facts about machine
+//! Writers of the app: CSV rows that survive a crash of the run, a thread that writes pictures during a run, the place of
+//! the run directory for behaviours, and facts about machine
 //! and output. This module contains no physics.
 
 pub mod memory;
 pub mod picture_writer;
 pub mod provenance;
 pub mod rows;
+pub mod run_path;
 pub mod volume;
 
 /// Version of the format of `summary.json`.

@@ -1,7 +1,7 @@
 //! Symmetries that no order of evaluation may break: left and right, and any number of threads.
 
 use siloflow::lattice_silo::loaded::LoadedLattice;
-use siloflow::lattice_silo::summary::state_hash;
+use siloflow::output::summary::lattice::state_hash;
 use siloflow::studies::diff::where_they_part;
 use siloflow::text::source::Source;
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use siloflow::dem::persist;
 use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice_silo::summary;
+use siloflow::output::summary::lattice;
 use siloflow::prelude::*;
 use siloflow::scene::loaded::AnyScene;
 
@@ -119,7 +119,7 @@ fn a_state_that_no_run_of_the_scene_has_is_refused_with_its_part() {
         (&bed, "particle::GrainId", 1, &[7], "particle"),
         (&bed, "step::Clock", 1, &[0], ""),
         (&fed, "history::History", 8, &not_finite, "not finite"),
-        (&fed, "spawner::Pending", 1, &[3], "still to come"),
+        (&fed, "pending::Pending", 1, &[3], "still to come"),
         (&gas, "gas::Gas", 1, &[0xff, 0xff, 0x7f], "no gas can have"),
     ];
     for ((scene, sections), part, replaced, bytes, word) in cases {

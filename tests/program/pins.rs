@@ -39,7 +39,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
-use siloflow::lattice_silo::summary;
+use siloflow::output::summary::lattice;
 use siloflow::prelude::*;
 use siloflow::scene::load as loading;
 use siloflow::scene::loaded::AnyScene;

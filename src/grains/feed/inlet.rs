@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Feed, FeedFigure, Rate};
 use crate::grains::mass::MassLaw;
-use crate::grains::spawner::{GrainSize, are_quotas};
+use crate::grains::sizes::{GrainSize, are_quotas};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
 use siloflow_dem::particles::Particles;

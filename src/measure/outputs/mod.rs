@@ -181,7 +181,7 @@ pub trait OutputApp {
     fn column_scale(&mut self, name: &str, scale: Scale) -> &mut Self;
 
     /// Declares a file that this behaviour writes at the top of the run directory
-    /// ([`RunPath`](crate::output::run_path::RunPath)). A later run in its place removes it.
+    /// ([`RunPath`](crate::writers::run_path::RunPath)). A later run in its place removes it.
     fn run_file(&mut self, name: &str) -> &mut Self;
 }
 

@@ -1,6 +1,6 @@
 //! Names of species: the radii of the grains that a scene releases.
 
-use crate::grains::spawner::RadiusLaw;
+use crate::grains::sizes::RadiusLaw;
 use crate::scene::loaded::Loaded;
 
 /// Returns the names of the species that the first source of grains releases.

@@ -1,10 +1,11 @@
 //! `summary.json`: the results of a run in a stable format for scripts. A summary has keys that all runs share ([`Head`],
 //! [`FileRecord`]), and between them the results of one method: of grains ([`grains`]) or of the lattice gas
-//! ([`lattice_silo::summary`](crate::lattice_silo::summary)).
+//! ([`output::summary::lattice`](crate::output::summary::lattice)).
 //!
 //! `format` increases when a key changes its meaning or is removed; adding keys does not change it.
 
 pub mod grains;
+pub mod lattice;
 
 use std::collections::BTreeMap;
 

@@ -29,7 +29,7 @@
 //! The error is that of one impact, not of a run: in a run chaos separates the paths of many grains at any step. Forces that a behaviour
 //! adds, and contacts of several grains at once, are not considered.
 
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use siloflow_dem::contact::Contact;
 use siloflow_dem::integrate::Integrator;
 

@@ -26,6 +26,7 @@ mod falling;
 mod heights;
 pub mod leaks;
 mod meshes;
+pub mod quantities;
 mod softness;
 mod sources;
 pub mod species_pairs;
@@ -33,7 +34,8 @@ mod start;
 pub mod step;
 mod tunnelling;
 
-pub use self::estimates::{Estimates, hardest};
+pub use self::estimates::hardest;
+pub use self::quantities::Estimates;
 use std::cell::LazyCell;
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! Warnings about contacts so soft that bodies overlap too much.
 
 use crate::ending::watchdog::overlap::LARGE_OVERLAP;
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::walls::enclosure::Enclosure;
 use siloflow_text::fault::Warning;

@@ -15,7 +15,7 @@
 //! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
 
 use crate::grains::feed::Feed;
-use crate::grains::spawner::RadiusLaw;
+use crate::grains::sizes::RadiusLaw;
 use crate::random::Stream;
 use crate::scene::check::crowd::{Motion, Pull};
 use crate::scene::check::step;

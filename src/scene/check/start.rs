@@ -9,7 +9,7 @@ mod stability;
 use rustc_hash::FxHashMap;
 
 use crate::ending::watchdog::overlap::LARGE_OVERLAP;
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use crate::scene::check::species_pairs;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;

@@ -1,7 +1,7 @@
 //! Warnings about grains and walls that may pass each other within one step.
 
 use crate::door::DoorMotion;
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Solid;
 use siloflow_dem::walls::config::Wall;

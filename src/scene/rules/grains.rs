@@ -4,7 +4,7 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::feed::MOST_TRIES;
 use crate::grains::fill::{Fill, Placement};
 use crate::grains::mass::MassLaw;
-use crate::grains::spawner::RadiusLaw;
+use crate::grains::sizes::RadiusLaw;
 use crate::scene::expected::BYTES_PER_GRAIN;
 use crate::scene::loaded::Loaded;
 use crate::scene::rules::directions::is_box;

@@ -7,7 +7,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::scene::check::estimates::Estimates;
+use crate::scene::check::quantities::Estimates;
 use crate::scene::check::species_pairs::{self, SpeciesPair};
 use crate::scene::check::start::{Body, touching};
 use crate::scene::loaded::Loaded;
