@@ -3,16 +3,18 @@
 //!
 //! The program is `siloflow run SCENE.ron`. This is its library, for programs that add new behaviours.
 //!
-//! * Particles are entities: [`particle`]. One step is one run of one schedule with public phases: [`step`].
+//! * Particles are entities: [`dem::particle`]. One step is one run of one schedule with public phases: [`dem::step`].
 //! * A scene describes the silo and so selects the plugins, components and systems that exist: [`scene`], [`plugins`].
-//! * Each feature has its own file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`gravity`], ...
-//! * Contact laws are [`contact::PairLaw`]s. One kernel sums contact forces over the particle [`store`], in the order
-//!   of slots, with candidate pairs from a search in [`neighbours`].
-//! * The lattice gas runs in the same phases, with its own systems and without particles: [`lattice`].
+//! * Each feature has its own file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`dem::gravity`], ...
+//! * Contact laws are [`dem::contact::PairLaw`]s. One pass sums contact forces over the particle [`dem::store`], in the order
+//!   of slots, with candidate pairs from a search in [`dem::neighbours`].
+//! * The lattice gas runs in the same phases, with its own systems and without particles: its rules are in [`lattice`], its silo in
+//!   [`lattice_silo`].
 //! * [`behaviour`] explains how another crate adds behaviours.
 //! * *The assignment*, in this documentation, is the course assignment that siloflow answers: the grain silo of
 //!   J. J. C. Remmers (2009). `docs/assignment.md` describes it.
-//! * [`divergence`] finds the first difference between two runs: step, grain and quantity.
+//! * [`studies`] run many simulations, or compare some: [`studies::diff`] finds the first difference of two runs.
+//! * Reports, figures and exports of finished runs are in [`results`], [`files`] and [`figures`], without the entity-component-system.
 //!
 //! ```
 //! use std::num::NonZeroUsize;

@@ -5,7 +5,8 @@ mod accuracy;
 mod check;
 mod compare;
 mod diff;
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
+#[cfg(target_os = "linux")]
 mod disk_recorder;
 #[cfg(test)]
 mod documented_columns;
@@ -16,7 +17,8 @@ mod export_scene;
 mod from;
 mod new;
 mod plot;
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
+#[cfg(target_os = "linux")]
 mod power_failure;
 mod progress;
 mod render;

@@ -7,7 +7,7 @@
 //! `COLUMNS` has the columns.
 //!
 //! A run of the lattice gas has the same file, with `sample` in steps and its own unit of velocity
-//! ([`output::flow::lattice`](crate::output::flow::lattice)).
+//! (`output/flow/lattice.rs`).
 //!
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.

@@ -282,7 +282,7 @@ fn a_sheared_lattice_has_its_known_stress() {
         let row = at / n;
         let x = (d * (f64::from(column) + 0.5 + shift * f64::from(row))).rem_euclid(d * f64::from(n));
         // Half of the grains have the velocity `more` more than the mean, the others less.
-        let sign = if (column + row) % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (column + row).is_multiple_of(2) { 1.0 } else { -1.0 };
         grain(at + 1, Vector::new(x, d * (f64::from(row) + 0.5)), Vector::X * drift + more * sign, radius, 2.0)
     });
     let keys = format!(

@@ -40,7 +40,7 @@ impl Bed {
             let x = i % side;
             let up = i / side % rows;
             let z = i / side / rows;
-            let radius = if (x + up + z) % 2 == 0 { 0.044 } else { 0.036 };
+            let radius = if (x + up + z).is_multiple_of(2) { 0.044 } else { 0.036 };
             let flat = if solid { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
             let velocity = 0.2 * flat * DVec3::from(random.uniform(u64::from(i)).map(|u: f64| 2.0 * u - 1.0));
             let lifted = APART * f64::from(up) + 0.0441;

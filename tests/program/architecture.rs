@@ -123,7 +123,9 @@ fn collect(directory: &Path, parent: &str, files: &mut BTreeMap<String, PathBuf>
             collect(&entry.path(), &module, files);
         } else if own == "mod" {
             files.insert(parent.to_owned(), entry.path());
-        } else if name.ends_with(".rs") && !["lib", "main", "tests"].contains(&&*own) {
+        } else if entry.path().extension().is_some_and(|ending| ending == "rs")
+            && !["lib", "main", "tests"].contains(&&*own)
+        {
             files.insert(module, entry.path());
         }
     }

@@ -27,7 +27,7 @@ fn interrupted(row: &pins::Row) -> Option<u64> {
                 run = Simulation::restored_lattice(&loaded, &registry, threads(count), &run.save().unwrap()).unwrap();
             }
             run.run();
-            Some(summary::state_hash(run.world().resource::<Sites>(), run.world().resource::<Gas>()))
+            Some(lattice::state_hash(run.world().resource::<Sites>(), run.world().resource::<Gas>()))
         }
         AnyScene::Grains(loaded) => {
             let mut run = Simulation::new(&loaded, &registry, threads(1)).ok()?;

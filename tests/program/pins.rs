@@ -85,7 +85,7 @@ impl Row {
             Err(fault) => return format!("refused {}", fault.code()),
             Ok(AnyScene::Lattice(loaded)) => Simulation::of_lattice(&loaded, &registry, one).map(|mut run| {
                 run.run();
-                summary::state_hash(run.world().resource::<Sites>(), run.world().resource::<Gas>())
+                lattice::state_hash(run.world().resource::<Sites>(), run.world().resource::<Gas>())
             }),
             Ok(AnyScene::Grains(loaded)) => Simulation::new(&loaded, &registry, one).map(|mut run| {
                 run.run();

@@ -11,7 +11,7 @@
 //! The lanes are compiled for each law, the other loops for three classes of laws (module `needs`).
 //!
 //! Each thread sums the forces of a range of rows. A pair across a border between two ranges is evaluated by both
-//! threads ([`PairList`]). So the order of every sum, and every bit of it, does not depend on the number of threads.
+//! threads ([`PairList`](crate::neighbours::list::PairList)). So the order of every sum, and every bit of it, does not depend on the number of threads.
 //! Memories are stored in history blocks of [`BLOCK`] rows. A batch never spans two blocks, so the energy balance does
 //! not depend on the number of threads either. Memories of contacts across a border are copied at the end of a pass, by
 //! the thread that has just written them. In the next pass the other thread reads the copy (halo export and import).

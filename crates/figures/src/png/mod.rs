@@ -7,7 +7,7 @@
 //! * elements other than [`ELEMENTS`], so no images, links, styles, masks and patterns; or opacity or filters of groups. A short
 //!   document can nest such effects so that it takes any time and memory;
 //! * a label of more than [`LONGEST_LABEL`] characters, whose time grows with the square of its length;
-//! * coordinates beyond [`FARTHEST`], for which tiny-skia panics.
+//! * coordinates beyond [`FARTHEST`](crate::svg::FARTHEST), for which tiny-skia panics.
 //!
 //! [`encode_within`] also gives up after a time.
 //!

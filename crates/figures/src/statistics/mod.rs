@@ -5,7 +5,7 @@
 //! | mean and standard error, median, geometric mean | [`mean`] |
 //! | Student's t | [`student`] |
 //! | a mean rate with its interval | [`rate`] |
-//! | straight lines with standard errors | [`line`] |
+//! | straight lines with standard errors | [`line`](mod@line) |
 //! | laws that a transformation makes straight | [`fit`] |
 //! | laws that are not straight lines: Levenberg's and Marquardt's method | [`least_squares`] |
 //! | curves given as points | [`points`] |

@@ -48,7 +48,7 @@ impl FrameReader {
     }
 
     /// As [`FrameReader::open`], and refuses a record that would take more than `most` bytes
-    /// ([`extent`](siloflow::scene::extent) says how much a scene can need).
+    /// ([`OF_UNKNOWN_SCENE`], if nothing is known about the run).
     ///
     /// # Errors
     /// As [`FrameReader::open`].

@@ -355,6 +355,7 @@ fn is_frame(name: &Path) -> bool {
 }
 
 /// Whether a behaviour may not have a file of this name at the top of a run directory.
+#[must_use]
 pub fn is_reserved(name: &str) -> bool {
     is_own(Path::new(name)) || name.ends_with(&format!(".{PART}"))
 }

@@ -82,6 +82,7 @@ impl Directory {
     }
 
     /// Returns the number of frames, and the length of each list; 0 for one that is not there.
+    #[must_use]
     pub fn saved(&self) -> Vec<u64> {
         let lengths = self.lists.iter().map(|list| list.as_ref().map_or(0, |list| list.0.length()));
         std::iter::once(self.count).chain(lengths).collect()

@@ -44,9 +44,8 @@ impl Grains {
         let mut all = Vec::with_capacity(table.rows);
         for (row, &radius) in radii.iter().enumerate() {
             let Some(position) = point(positions, header.dimension, row) else { break };
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes as floats")]
-            let kind = kinds[row] as u8;
-            let species = species[row] as u8;
+            let kind = byte(kinds[row]);
+            let species = byte(species[row]);
             let colour = match (kind, shades.get(row)) {
                 (2, _) => colour::DOOR,
                 (1, _) => colour::WALL,
@@ -95,6 +94,12 @@ impl Grains {
         }
         discs
     }
+}
+
+/// Returns a byte that a column has as a float.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a byte")]
+fn byte(number: f64) -> u8 {
+    number as u8
 }
 
 fn is_in_view(style: &Style, centre: DVec2, radius: f64) -> bool {

@@ -15,8 +15,8 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     let estimates: Vec<Option<&StepEstimates>> = runs.iter().map(|run| grains(run)?.step.as_ref()).collect();
     let mut sheet = Sheet::default();
     let mut row = |name: &str, unit: &'static str, of: &dyn Fn(&StepEstimates) -> f64| {
-        let cell = |e: &Option<&StepEstimates>| Cell::of(e.map(of).filter(|x| x.is_finite()), unit);
-        sheet.add(name, estimates.iter().map(cell).collect());
+        let cell = |e: Option<&StepEstimates>| Cell::of(e.map(of).filter(|x| x.is_finite()), unit);
+        sheet.add(name, estimates.iter().copied().map(cell).collect());
     };
     row("Step", "s", &|e| e.dt);
     row("Shortest contact", "s", &|e| e.contact_duration);
@@ -30,14 +30,14 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     row("Overlap expected from the weight of the bed, over the radius", "", &|e| e.static_overlap);
     let largest = |run: &Run| Cell::of(run.number("/max_overlap_ratio"), "");
     sheet.add("Largest overlap of the run, over the radius", runs.iter().map(largest).collect());
-    let scheme = |e: &Option<&StepEstimates>| e.map_or(Cell::Nothing, |e| Cell::Html(code(&e.scheme)));
-    sheet.add("Scheme", estimates.iter().map(scheme).collect());
-    let reason = |e: &Option<&StepEstimates>| match e.map(|e| &e.reason) {
+    let scheme = |e: Option<&StepEstimates>| e.map_or(Cell::Nothing, |e| Cell::Html(code(&e.scheme)));
+    sheet.add("Scheme", estimates.iter().copied().map(scheme).collect());
+    let reason = |e: Option<&StepEstimates>| match e.map(|e| &e.reason) {
         Some(Some(reason)) => Cell::Html(escape(reason)),
         Some(None) => Cell::Html("The scene gives the step.".to_owned()),
         None => Cell::Nothing,
     };
-    sheet.add("Why this step", estimates.iter().map(reason).collect());
+    sheet.add("Why this step", estimates.iter().copied().map(reason).collect());
     let mut content = sheet.html("Step and expected error, as siloflow check estimates them", labels);
     for run in runs {
         content += &remarks(run, runs.len() > 1);
