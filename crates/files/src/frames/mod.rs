@@ -4,7 +4,7 @@
 //! type each, so a table may get further columns without a new format. [`FrameReader`](reader::FrameReader) reads a file:
 //!
 //! ```no_run
-//! use crate::frames::reader::FrameReader;
+//! use siloflow_files::frames::reader::FrameReader;
 //!
 //! let frames = FrameReader::open("out/silo1/frames.bin".as_ref())?;
 //! for frame in frames {

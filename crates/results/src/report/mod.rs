@@ -5,7 +5,7 @@
 //! * [`player`]: the frames of a run, played in the browser.
 //! * [`html`]: escapes, and numbers with units. [`sheet`]: tables of quantities by run.
 //!
-//! Curves come from [`plot`](crate::plot). A run that goes on or was killed is reported as far as its files go.
+//! Curves come from [`plot`](mod@crate::plot). A run that goes on or was killed is reported as far as its files go.
 
 pub mod accounting;
 pub mod behaviours;
