@@ -1,4 +1,4 @@
-// Unpacks the data of a run (src/report/player/packing.rs describes its bytes).
+// Unpacks the data of a run (crates/results/src/report/player/packing.rs describes its bytes).
 
 /** Reads bytes from the front; throws past their end. */
 class Bytes {

@@ -1,6 +1,6 @@
 // A run as a series of pictures, in place of a view that draws grains.
 
-/** Unpacks the steps and the pictures of a run (src/report/player/pictures.rs). */
+/** Unpacks the steps and the pictures of a run (crates/results/src/report/player/pictures.rs). */
 function decodePictures(run, facts, pictures) {
   run.times = facts.column(Float64Array, run.frames);
   const lengths = facts.column(Uint32Array, run.frames);
