@@ -169,7 +169,10 @@ fn the_summary_names_the_condition_and_what_is_left() {
         .unwrap();
     assert!(text(&again.stderr).contains("checkpoint::final"), "{}", text(&again.stderr));
     let [with, without] = ["a.ron", "b.ron"].map(|scene| siloflow(here.path(), &["explain", scene]));
-    assert!(with.lines().any(|line| line.contains("stop::conditions::end_by_flow") && line.ends_with(" stop")), "{with}");
+    assert!(
+        with.lines().any(|line| line.contains("stop::conditions::end_by_flow") && line.ends_with(" stop")),
+        "{with}"
+    );
     assert!(!without.contains("stop::"), "{without}");
 }
 
