@@ -8,16 +8,16 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use siloflow::behaviour::Registry;
-use siloflow::text::fault::Fault;
-use siloflow::ledger::Ledger;
-use siloflow::measure::totals;
 use siloflow::dem::outcome::End;
 use siloflow::dem::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+use siloflow::dem::space::{Dimension, Plane, Solid, Space};
+use siloflow::dem::step::Clock;
+use siloflow::ledger::Ledger;
+use siloflow::measure::totals;
 use siloflow::scene::load;
 use siloflow::scene::loaded::Loaded;
 use siloflow::simulation::Simulation as Engine;
-use siloflow::dem::space::{Dimension, Plane, Solid, Space};
-use siloflow::dem::step::Clock;
+use siloflow::text::fault::Fault;
 
 use crate::{SceneError, set_column};
 

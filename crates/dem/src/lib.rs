@@ -1,4 +1,8 @@
-//! The discrete element method of siloflow: particle store, neighbour searches, contacts, walls and integration schemes.
+//! The discrete element method of siloflow: particle store, neighbour searches, contacts, walls and integration schemes,
+//! as plugins of an app of an entity-component-system. It imports `siloflow-text` and no other crate of siloflow: it knows neither scenes as a whole
+//! nor files of results.
+//!
+//! Begin with [`step`] for the phases of a step, [`store`] for the numbers, [`contact`] for a law, [`walls`] for a shape.
 
 pub mod budget;
 pub mod contact;

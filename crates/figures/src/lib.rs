@@ -1,4 +1,7 @@
-//! Figures: SVG and PNG drawings, diagrams with axes, colours, and statistics. No ECS and no physics.
+//! Figures: SVG and PNG drawings, diagrams with axes, colours, and statistics. It imports `siloflow-text` and no other crate of siloflow: no entity-component-system,
+//! no physics, no files.
+//!
+//! Begin with [`svg::Picture`] for pictures, [`diagram`] for curves, [`statistics`] for means and fits.
 
 pub mod colour;
 pub mod diagram;

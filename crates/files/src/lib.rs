@@ -1,5 +1,7 @@
 //! The files of siloflow: names, lock and record of a run directory, tables, frames of data, and how they are read and written.
-//! No physics and no ECS.
+//! It imports `siloflow-text` and no other crate of siloflow: no entity-component-system, no physics.
+//!
+//! Begin with [`run_directory`] for what a run leaves, [`frames`] for `frames.bin`, [`disk`] for what survives a crash.
 
 pub mod binary;
 pub mod columns;

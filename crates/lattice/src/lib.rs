@@ -1,4 +1,7 @@
 //! The lattice gas, a cellular automaton: sites, states, and the rules of a step. `siloflow` adds scenes, doors and output.
+//! It imports `siloflow-dem` for vectors, numbers with a range, and threads.
+//!
+//! Begin with [`sites`] and [`gas`], then [`rules`].
 
 mod bands;
 pub mod collide;

@@ -1,5 +1,7 @@
 //! Text that siloflow reads and shows: faults with their place, text made safe for messages and pictures, and scene text with its
 //! places, parameters and expressions. The lowest crate: it imports no other of siloflow.
+//!
+//! Begin with [`fault`], then [`source::Source`].
 
 pub mod encoding;
 pub mod fault;
