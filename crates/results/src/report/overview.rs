@@ -104,41 +104,56 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     Section::of("overview", "What happened", content)
 }
 
-/// A key figure: its name, pointer into the summary, column of `series.csv` without a summary, and unit.
-const FIGURES: [(&str, &str, &str, &str); 18] = [
-    ("Simulated time", "/time_s", "time_s", "s"),
-    ("Steps", "/steps", "step", "steps"),
-    ("Grains released", "/grains/released", "released", "grains"),
-    ("Grains out", "/grains/out", "out", "grains"),
-    ("Mass out", "/grains/out_kg", "out_kg", "kg"),
-    ("Grains lost", "/grains/lost", "lost", "grains"),
-    ("Particles entered", "/particles/entered", "entered", "particles"),
-    ("Particles out", "/particles/out", "out", "particles"),
-    ("At rest", "/rest_time_s", "", "s"),
-    ("At rest, step", "/rest_step", "", "steps"),
-    ("Empty", "/empty_time_s", "", "s"),
-    ("Empty, step", "/empty_step", "", "steps"),
-    ("Height of the bed at rest", "/bed/fill_height_m", "", "m"),
-    ("Packing fraction at rest", "/bed/packing_fraction", "", ""),
-    ("Discharge by number", "/discharge/rate_per_s", "", "grains/s"),
-    ("Discharge by mass", "/discharge/rate_kg_per_s", "", "kg/s"),
-    ("Largest overlap over the radius", "/max_overlap_ratio", "", ""),
-    ("Wall-clock time of the steps", "/performance/wall_s", "", "s"),
+/// A key figure.
+struct KeyFigure {
+    name: &'static str,
+    /// Pointer into the summary.
+    pointer: &'static str,
+    /// Column of `series.csv` that has it in a run without a summary; empty if there is none.
+    column: &'static str,
+    unit: &'static str,
+}
+
+const fn figure(name: &'static str, pointer: &'static str, column: &'static str, unit: &'static str) -> KeyFigure {
+    KeyFigure { name, pointer, column, unit }
+}
+
+const FIGURES: [KeyFigure; 18] = [
+    figure("Simulated time", "/time_s", "time_s", "s"),
+    figure("Steps", "/steps", "step", "steps"),
+    figure("Grains released", "/grains/released", "released", "grains"),
+    figure("Grains out", "/grains/out", "out", "grains"),
+    figure("Mass out", "/grains/out_kg", "out_kg", "kg"),
+    figure("Grains lost", "/grains/lost", "lost", "grains"),
+    figure("Particles entered", "/particles/entered", "entered", "particles"),
+    figure("Particles out", "/particles/out", "out", "particles"),
+    figure("At rest", "/rest_time_s", "", "s"),
+    figure("At rest, step", "/rest_step", "", "steps"),
+    figure("Empty", "/empty_time_s", "", "s"),
+    figure("Empty, step", "/empty_step", "", "steps"),
+    figure("Height of the bed at rest", "/bed/fill_height_m", "", "m"),
+    figure("Packing fraction at rest", "/bed/packing_fraction", "", ""),
+    figure("Discharge by number", "/discharge/rate_per_s", "", "grains/s"),
+    figure("Discharge by mass", "/discharge/rate_kg_per_s", "", "kg/s"),
+    figure("Largest overlap over the radius", "/max_overlap_ratio", "", ""),
+    figure("Wall-clock time of the steps", "/performance/wall_s", "", "s"),
 ];
 
 /// Names of key figures, with the cell of each run.
 fn sheet_rows(runs: &[Run]) -> Vec<(&'static str, Vec<Cell>)> {
-    let is_of = |run: &Run, name: &str, pointer: &str| {
-        let is_of_lattice = pointer.starts_with("/particles") || pointer.ends_with("_step");
-        // Without a summary a column may have a namesake in the series of the other method.
-        run.has_summary()
-            || (name != "Simulated time" || !run.is_lattice())
-                && (pointer == "/time_s" || pointer == "/steps" || run.is_lattice() == is_of_lattice)
+    // Without a summary a column of `series.csv` has the figure. Both methods have columns of some names, so a run shows only the figures of
+    // its own method then.
+    let is_of_method = |run: &Run, figure: &KeyFigure| {
+        let is_of_lattice = figure.pointer.starts_with("/particles") || figure.pointer.ends_with("_step");
+        let is_of_both = ["/time_s", "/steps"].contains(&figure.pointer);
+        let is_time_of_lattice = figure.pointer == "/time_s" && run.is_lattice();
+        run.has_summary() || !is_time_of_lattice && (is_of_both || run.is_lattice() == is_of_lattice)
     };
-    let cell = |run: &Run, (name, pointer, column, unit): (&str, &str, &str, &'static str)| {
-        Cell::of(Some(run).filter(|run| is_of(run, name, pointer)).and_then(|run| run.last(pointer, column)), unit)
+    let cell = |run: &Run, figure: &KeyFigure| {
+        let number = is_of_method(run, figure).then(|| run.last(figure.pointer, figure.column)).flatten();
+        Cell::of(number, figure.unit)
     };
-    FIGURES.iter().map(|&figure| (figure.0, runs.iter().map(|run| cell(run, figure)).collect())).collect()
+    FIGURES.iter().map(|figure| (figure.name, runs.iter().map(|run| cell(run, figure)).collect())).collect()
 }
 
 fn key_figures(runs: &[Run]) -> Sheet {
