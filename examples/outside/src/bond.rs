@@ -170,7 +170,7 @@ mod tests {
             spins: [0.0; 2],
             species: [Species(0); 2],
             dt: 1e-4,
-            lead: 0.0,
+            springs_ahead: 0.0,
             gathered: None,
             ahead: VelocityPrediction::default(),
         }

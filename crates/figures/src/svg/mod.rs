@@ -224,4 +224,5 @@ const LETTER: f64 = 0.54;
 const SMALLEST: f64 = 0.7;
 
 #[cfg(test)]
+#[cfg(feature = "png")]
 mod tests;
