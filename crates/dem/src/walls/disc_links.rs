@@ -127,14 +127,16 @@ fn distance_of([low, high]: &Bounds<3>, x: Vector) -> f64 {
     x.distance(x.clamp(low, high))
 }
 
-/// Whether all places with these bounds are nearer to `c` than to `a`.
+/// Whether all places with these bounds are nearer to `c` than to `a`, by more than the rounding of distances.
 fn is_beyond([low, high]: &Bounds<3>, a: Vector, c: Vector) -> bool {
     // |x - a|^2 - |x - c|^2 is linear in x, and least at one corner.
     let way = c - a;
     let corner = |axis: usize, of_a: f64| if way[axis] > 0.0 { low[axis] - of_a } else { high[axis] - of_a };
     let nearest = Vector::new(corner(0, a.x), corner(1, a.y));
     let lead = 2.0 * nearest.dot(way) - way.length_squared();
-    lead > MARGIN * (nearest.length() * way.length() + way.length_squared())
+    let [low, high] = [low, high].map(|corner| Vector::new(corner[0], corner[1]) - a);
+    let farthest = low.abs().max(high.abs());
+    lead > MARGIN * (farthest.length_squared() + way.length_squared())
 }
 
 #[cfg(test)]
