@@ -90,7 +90,7 @@ pub struct DoorState {
     sliding: Option<Slide>,
 }
 
-/// What one door has done so far.
+/// The progress of one door so far.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 struct Progress {
     /// When the door began to open for the first time, s.

@@ -37,7 +37,7 @@ pub(super) struct Activity {
     are_centred: bool,
     /// Number of contacts in each block of rows.
     counts: Vec<u32>,
-    /// Those of the step before, kept for their memory.
+    /// The buffer of the counts of the step before. It is kept so that no step allocates.
     #[serde(skip)]
     before: Vec<u32>,
     /// The renumbering of rows that the counts belong to.

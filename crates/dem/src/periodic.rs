@@ -179,7 +179,7 @@ impl<V: Space> Periodic<V> {
     }
 }
 
-/// How separations are measured. It is a type parameter of the kernel, so that open scenes have no cost of periodic
+/// How separations are measured. It is a type parameter of the force pass, so that open scenes have no cost of periodic
 /// ones.
 pub trait Metric<V: Space>: Copy + Send + Sync {
     /// Returns the shortest vector for these differences of positions, m. Numbers beyond the axes of the space are no

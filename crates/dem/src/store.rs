@@ -79,7 +79,7 @@ use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::spin::InertiaLaw;
 
-/// The numbers of a particle that every contact reads, side by side in memory. The kernel loads them in groups of four,
+/// The numbers of a particle that every contact reads, side by side in memory. The force pass loads them in groups of four,
 /// in this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -131,7 +131,7 @@ impl<V: Space> Default for Loads<V> {
     }
 }
 
-/// Rotation of a particle; stored only in scenes with spin. In solid space the kernel loads these four numbers at once,
+/// Rotation of a particle; stored only in scenes with spin. In solid space the force pass loads these four numbers at once,
 /// in this order.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[repr(C)]

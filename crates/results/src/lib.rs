@@ -1,4 +1,4 @@
-//! Whatever reads a finished run: reports, figures of runs, comparisons, pictures from frames, and exports.
+//! The readers of finished runs: reports, figures of runs, comparisons, pictures from frames, and exports.
 //!
 //! Nothing here simulates, and nothing knows the types of a scene. Facts of a scene come as plain values ([`scene_facts`]), which the app
 //! makes. It imports `siloflow-text`, `siloflow-figures` and `siloflow-files`.

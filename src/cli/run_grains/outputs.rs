@@ -76,6 +76,7 @@ impl<V: Space> Outputs<V> {
             frame_data: FrameDataPlugin::create(loaded, world, &directory.rows(names::FRAME_DATA))?,
         })
     }
+
     /// Adds the plugins that write the files, each with the scene key that asks for it.
     pub(super) fn add_to(self, app: &mut Assembly, loaded: &Loaded, directory: &RunDirectory) -> Result<(), Fault> {
         app.add("series", self.series);

@@ -18,7 +18,7 @@ pub use self::grains::fill;
 pub use self::space::space;
 
 use self::contacts::contacts;
-use self::directions::{has_no_direction, is_box, is_oblique};
+use self::directions::is_box;
 use self::grains::{feed, ids, spawner};
 use crate::scene::check;
 use crate::scene::loaded::Loaded;

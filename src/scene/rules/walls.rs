@@ -1,7 +1,7 @@
 //! Rules on walls: on the numbers of each shape, on names, and on the number of wall discs.
 
-use super::{has_no_direction, is_oblique};
 use crate::scene::loaded::Loaded;
+use crate::scene::rules::directions::{has_no_direction, is_oblique};
 use siloflow_dem::space::Dimension;
 use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_text::fault::Fault;

@@ -266,11 +266,11 @@ impl<V: Space> Batch<V> {
 /// The velocities that a law gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Velocities {
-    /// Those in the middle of the step.
+    /// Velocities in the middle of the step.
     Middle,
-    /// Those predicted for its end ([`centred`](crate::contact::centred)).
+    /// Velocities predicted for the end of the step ([`centred`](crate::contact::centred)).
     Predicted,
-    /// Predicted ones, and those in the middle of the step for springs.
+    /// Predicted velocities, and for springs the velocities in the middle of the step.
     PredictedAndMiddle,
 }
 

@@ -6,7 +6,7 @@ use crate::store::ParticleStore;
 impl<V: Space> ParticleStore<V> {
     /// Returns whether the contact law must test this pair.
     pub(super) fn may_touch(&self, i: usize, j: usize) -> bool {
-        // The filter of the kernel sums in the same order for laws without memory, so that both agree to the last bit. For laws
+        // The filter of the force pass sums in the same order for laws without memory, so that both agree to the last bit. For laws
         // with memory it takes fewer pairs.
         let reach = self.body[i].radius + self.body[j].radius + (self.prediction.margin + self.prediction.range);
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach

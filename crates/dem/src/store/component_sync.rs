@@ -30,9 +30,9 @@ use siloflow_text::fault::Fault;
 
 /// Mirrored components that the systems of a phase use in a step.
 struct Use {
-    /// Those that they read.
+    /// The components that the systems read.
     reads: MirrorSet,
-    /// Those that they may write.
+    /// The components that the systems may write.
     writes: MirrorSet,
 }
 
