@@ -96,7 +96,7 @@ fn reorder_states<V: Space>(
 ) {
     let state = |i: usize| match states.states.get(store.former[i].index()) {
         Some(&state) if state != GrainState::NotAGrain => state,
-        _ if grains.contains(store.entity[i]) => GrainState::New,
+        _ if store.is_whole(i) && grains.contains(store.entity[i]) => GrainState::New,
         _ => GrainState::NotAGrain,
     };
     states.states = (0..store.len()).map(state).collect();

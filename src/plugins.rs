@@ -30,6 +30,7 @@ use siloflow_dem::contact::centred::velocity_prediction::VelocityPredictionPlugi
 use siloflow_dem::contact::history::History;
 use siloflow_dem::engine::Engine;
 use siloflow_dem::integrate::IntegratorPlugin;
+use siloflow_dem::integrate::rigid::BodiesPlugin;
 use siloflow_dem::integrate::rotation::SpinPlugin;
 use siloflow_dem::integrate::wrap::PeriodicPlugin;
 use siloflow_dem::messages::MessagesPlugin;
@@ -114,12 +115,16 @@ pub(crate) fn add_all<V: Engine>(
     if scene.energy_balance && (has_behaviours || scene.kick.is_some()) {
         app.add(if has_behaviours { "behaviours" } else { "kick" }, AddedWorkPlugin(space));
     }
-    if scene.contact.spins() {
+    if loaded.grains_spin() {
         let spins = SpinPlugin { inertia: loaded.inertia(), space };
         app.add_with("contact.tangential", |app| V::add_spins(app, spins));
         if scene.energy_balance {
             app.add("contact.tangential", SpinEnergyPlugin(space));
         }
+    }
+    if !loaded.shapes.is_empty() {
+        let bodies = BodiesPlugin { shapes: loaded.shapes.rigid::<V>() };
+        app.add_with("shapes", |app| V::add_bodies(app, bodies));
     }
     if !own_contacts {
         if loaded.is_centred() {
@@ -139,7 +144,7 @@ pub(crate) fn add_all<V: Engine>(
     }
     if let Some(mass) = scene.mass.filter(|_| !scene.feed.is_empty()) {
         let first_id = loaded.first_free_id();
-        let inertia = scene.contact.spins().then(|| loaded.inertia());
+        let inertia = loaded.grains_spin().then(|| loaded.inertia());
         app.add("feed", FeedPlugin { feeds: scene.feed.clone(), mass, inertia, seed: scene.seed, first_id, space });
     }
     if let Some(rest) = scene.rest {

@@ -35,6 +35,7 @@ fn grain(id: u32, position: Vector, velocity: Vector) -> GrainRow {
         position: position.extend(0.0),
         velocity: velocity.extend(0.0),
         spin: Solid::ZERO,
+        posture: None,
         species: Species(0),
     }
 }

@@ -104,7 +104,7 @@ fn tables() -> Vec<(&'static str, Vec<Row>)> {
     vec![
         ("## `series.csv`", series_rows()),
         ("## `fields.csv`", field_rows()),
-        ("### `state.csv`", rows(&[grains::COLUMNS, grains::SPINS])),
+        ("### `state.csv`", [rows(&[grains::COLUMNS, grains::SPINS]), rows(&[grains::SHAPES])].concat()),
         ("### `walls.csv`", rows(&[walls::WALL, walls::LOADS])),
         ("### `wall_groups.csv`", rows(&[walls::GROUP, walls::LOADS])),
         ("### `wall_bands.csv`", rows(&[wall_bands::COLUMNS])),

@@ -1,5 +1,7 @@
 //! `siloflow explain`: lists what a scene will model, the memory it takes, and the key that asks for each part.
 
+mod shapes;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -82,6 +84,7 @@ fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<ExitStatus, Fa
         let _ = writeln!(text, "material of species {species}: {material:?}");
     }
     text.push('\n');
+    shapes::describe(loaded, &mut text);
     describe_grain(simulation.own_world(), &mut text);
     describe_systems(simulation.world(), &mut text);
     describe_outputs(loaded, &mut text);

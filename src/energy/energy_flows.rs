@@ -43,7 +43,8 @@ pub(super) fn add_released_energy<V: Space>(
     grains: Query<(), With<Grain>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
-    let is_new = |&i: &usize| store.former[i] == Slot::default() && grains.contains(store.entity[i]);
+    let is_new =
+        |&i: &usize| store.former[i] == Slot::default() && store.is_whole(i) && grains.contains(store.entity[i]);
     let mut new: Vec<_> = (0..store.len()).filter(is_new).collect();
     new.sort_unstable_by_key(|&i| store.id[i]);
     for i in new {

@@ -74,13 +74,18 @@ fn dissipation<V: Space>(store: &ParticleStore<V>, walls: &Surfaces<V>) -> Optio
     if !store.tracks_energy {
         return None;
     }
-    let (force, on_fixed) = store.loads.force.entries().split_at(store.free_end);
-    let (body, fixed) = store.body.split_at(store.free_end);
+    let grains = store.integrated_rows();
+    let fixed = store.free_end..store.contact_rows().end;
+    let force = store.loads.force.entries();
     // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
-    let of_grains = store.kick_sum.unwrap_or_else(|| power_by_chunks(force, body, |body| body.velocity));
+    let of_grains = store
+        .kick_sum
+        .unwrap_or_else(|| power_by_chunks(&force[grains.clone()], &store.body[grains], |body| body.velocity));
     let mut dissipation = -of_grains.sum_of_components();
     // Most fixed particles do not move.
-    for ([_, drag], body) in on_fixed.iter().zip(fixed).filter(|(_, body)| body.velocity != V::ZERO) {
+    for ([_, drag], body) in
+        force[fixed.clone()].iter().zip(&store.body[fixed]).filter(|(_, body)| body.velocity != V::ZERO)
+    {
         dissipation -= drag.dot(body.velocity);
     }
     for (moving, load) in walls.with_loads() {
@@ -99,7 +104,8 @@ pub(super) fn add_contact_work<V: Space>(
     mut last: ResMut<Powers>,
 ) {
     let mut wall = 0.0;
-    for (i, body) in store.body.iter().enumerate().skip(store.free_end).filter(|(_, body)| body.velocity != V::ZERO) {
+    let fixed = store.free_end..store.contact_rows().end;
+    for (i, body) in fixed.clone().zip(&store.body[fixed]).filter(|(_, body)| body.velocity != V::ZERO) {
         let added = store.added.get(i).copied().unwrap_or(V::ZERO);
         wall -= (store.loads.force.of(i) - added).dot(body.velocity);
     }
@@ -120,11 +126,15 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
     if !store.tracks_energy {
         return None;
     }
-    let (torque, on_fixed) = store.loads.torque.entries().split_at(store.free_end);
-    let (rotation, fixed) = store.rotation.split_at(store.free_end);
+    let grains = store.integrated_rows();
+    let fixed = store.free_end..store.contact_rows().end;
+    let torque = store.loads.torque.entries();
     // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
-    let of_grains = store.spin_kick_sum.unwrap_or_else(|| power_by_chunks(torque, rotation, |rotation| rotation.spin));
-    let turning = -(of_grains + power(on_fixed, fixed, |rotation| rotation.spin)).sum_of_components();
+    let of_grains = store
+        .spin_kick_sum
+        .unwrap_or_else(|| power_by_chunks(&torque[grains.clone()], &store.rotation[grains], |rotation| rotation.spin));
+    let turning = -(of_grains + power(&torque[fixed.clone()], &store.rotation[fixed], |rotation| rotation.spin))
+        .sum_of_components();
     let rolling = store.loads.rolling_drag.iter().zip(&store.rotation);
     Some([turning, -sum(rolling.map(|(drag, rotation)| drag.times(rotation.spin)))])
 }

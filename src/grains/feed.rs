@@ -26,6 +26,7 @@ use self::inlet::{Inlet, Progress, Released};
 use crate::grains::mass::MassLaw;
 use crate::grains::pending::{LeftOfSpawner, Pending};
 use crate::grains::region::Region;
+use crate::grains::shaped::{OrientationLaw, Shaped};
 use crate::grains::sizes::RadiusLaw;
 use siloflow_dem::messages::GrainReleased;
 use siloflow_dem::outcome::{Failure, Outcome};
@@ -33,7 +34,7 @@ use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Positi
 use siloflow_dem::particles::Particles;
 use siloflow_dem::persist::{PersistApp as _, Problem};
 use siloflow_dem::space::Space;
-use siloflow_dem::spin::InertiaLaw;
+use siloflow_dem::spin::{InertiaLaw, Spin};
 use siloflow_dem::step::{Clock, Phase, Step};
 use siloflow_dem::store::PlainCommands;
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
@@ -50,8 +51,18 @@ pub struct Feed {
     pub rate: Rate,
     /// Amount after which the feed ends. Default: no end.
     pub total: Option<Total>,
-    /// Radii, m.
+    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
+    #[serde(default)]
     pub radius: RadiusLaw,
+    /// Name of the shape of these grains. Default: spheres (discs).
+    pub shape: Option<String>,
+    /// Sizes over that of the shape. Default: 1.
+    pub scale: Option<RadiusLaw>,
+    /// Orientations of shaped grains. Default: random.
+    pub orientation: Option<OrientationLaw>,
+    /// The shape, once the scene is loaded.
+    #[serde(skip)]
+    pub shaped: Option<Shaped>,
     /// Mean velocity of entering grains, m/s.
     pub velocity: FiniteVector,
     /// Standard deviations of the components of the velocity, m/s. Default 0.
@@ -110,6 +121,12 @@ impl Feed {
             Total::Grains(count) => f64::from(count),
             Total::Mass(total) => (total.get() / self.mean_mass(mass)).round(),
         })
+    }
+
+    /// Returns the radius (m) of the smallest sphere about its centre that holds a grain of this radius, m.
+    #[must_use]
+    pub fn reach(&self, radius: f64) -> f64 {
+        self.shaped.as_ref().map_or(radius, |shaped| shaped.reach(radius))
     }
 
     /// Returns the mean number of grains per second.
@@ -197,7 +214,7 @@ fn feed<V: Space>(
                 is_free && walls.near(x, radius).iter().all(|index| is_clear(&walls.all[index]))
             };
             let Some(new) = inlet.enter(particles.periodic(), &mut tries_left, place) else { break };
-            newcomers.push((new.position, new.radius));
+            newcomers.push((new.position, new.reach));
             spawn(&mut commands, &new);
             released.write(GrainReleased { id: new.id });
             if inlet.left.is_some() {
@@ -224,9 +241,11 @@ fn spawn<V: Space>(commands: &mut Commands, new: &Released<V>) {
         species: new.species,
         grain: Grain,
     };
-    match new.rotation {
-        Some((law, spin)) => commands.spawn((law.turning::<V>(new.mass, new.radius, spin), bundle)),
-        None => commands.spawn(bundle),
+    match (new.posture, new.rotation) {
+        (Some(posture), Some((_, spin))) => commands.spawn((Spin(spin), posture.components::<V>(), bundle)),
+        (Some(posture), None) => commands.spawn((posture.components::<V>(), bundle)),
+        (None, Some((law, spin))) => commands.spawn((law.turning::<V>(new.mass, new.radius, spin), bundle)),
+        (None, None) => commands.spawn(bundle),
     };
 }
 

@@ -2,7 +2,9 @@
 //!
 //! Columns are found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), and in
 //! solid space also `z` and `vz`. Optional columns are `species` (whole, default 0) and the spin (rad/s, default 0):
-//! `wz` in the plane, `wx`, `wy` and `wz` in solid space.
+//! `wz` in the plane, `wx`, `wy` and `wz` in solid space. Grains with a shape have `shape`, its name, and an orientation: `angle` (rad) in the
+//! plane, the quaternion `qw`, `qx`, `qy`, `qz` in solid space, of the shape as the scene describes it. Their `radius` is that of the sphere
+//! (disc) of equal volume (area); a column `scale`, its ratio to that of the shape, may stand in its place.
 //!
 //! A planar scene accepts the other columns of solid space if they are zero throughout. A scene without friction
 //! accepts spin columns under the same condition. Numbers are written with enough digits to be read back to the same
@@ -17,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::read::{parse, read};
 pub use self::write::{without_spin, write, write_to};
+use crate::grains::shaped::{Posture, ShapeFacts};
 use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use siloflow_dem::space::{Dimension, Solid, Space};
 
@@ -45,12 +48,20 @@ pub struct GrainRow {
     pub velocity: Solid,
     /// Spin, rad/s; in the plane, along z.
     pub spin: Solid,
+    /// Shape and orientation; `None` for a sphere (disc).
+    pub posture: Option<Posture>,
     /// Species.
     pub species: Species,
 }
 
 impl GrainRow {
-    /// Returns the components of the grain as an entity.
+    /// Returns the radius (m) of the smallest sphere about the centre that holds the grain.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.posture.map_or(self.radius, |posture| posture.reach)
+    }
+
+    /// Returns the components of the grain as an entity, without those of its shape.
     #[must_use]
     pub fn bundle<V: Space>(&self) -> GrainBundle<V> {
         GrainBundle {
@@ -73,17 +84,21 @@ const ALWAYS: [&str; 7] = ["id", "radius", "mass", "x", "y", "vx", "vy"];
 const SOLID: [&str; 2] = ["z", "vz"];
 /// Columns of the spin.
 const SPIN: [&str; 3] = ["wx", "wy", "wz"];
+/// Columns of grains with shapes.
+const SHAPE: [&str; 7] = ["shape", "scale", "angle", "qw", "qx", "qy", "qz"];
 
 /// Properties of a scene that determine the columns of its grain files.
 #[derive(Clone, Copy, Debug)]
-pub struct Kind {
+pub struct Kind<'a> {
     /// Plane or solid space.
     pub dimension: Dimension,
     /// Whether grains spin.
     pub spins: bool,
+    /// The shapes of the scene.
+    pub shapes: &'a [ShapeFacts],
 }
 
-impl Kind {
+impl Kind<'_> {
     fn is_solid(self) -> bool {
         self.dimension == Dimension::Solid
     }
@@ -110,7 +125,7 @@ mod tests {
     use siloflow_dem::space::Plane;
     use siloflow_dem::spin::Spin;
 
-    const PLANE: Kind = Kind { dimension: Dimension::Plane, spins: false };
+    const PLANE: Kind = Kind { dimension: Dimension::Plane, spins: false, shapes: &[] };
 
     #[test]
     fn written_grains_are_read_back_to_the_same_bits() {
@@ -126,7 +141,7 @@ mod tests {
 
     #[test]
     fn spinning_spheres_are_written_as_they_were_read() {
-        let kind = Kind { dimension: Dimension::Solid, spins: true };
+        let kind = Kind { dimension: Dimension::Solid, spins: true, shapes: &[] };
         let text = "id,radius,mass,x,y,z,vx,vy,vz,species,wx,wy,wz\n4,0.1,0.3,1,2,3,4,5,6,1,7,8,0.1\n";
         let mut world = World::new();
         for row in parse("a.csv", text, kind).unwrap() {

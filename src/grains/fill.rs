@@ -18,10 +18,11 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::occupied::Occupied;
+use crate::grains::shaped::{OrientationLaw, Posture, Shaped};
 use crate::grains::sizes::{GrainSize, RadiusLaw};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
-use siloflow_dem::space::{Dimension, Solid};
+use siloflow_dem::space::{Dimension, Plane, Solid};
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
 
 /// One entry of the scene key `fill`.
@@ -37,8 +38,18 @@ pub struct Fill {
     pub place: Placement,
     /// Side of the lattice, m; needed by a lattice.
     pub spacing: Option<Positive>,
-    /// Radii, m.
+    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
+    #[serde(default)]
     pub radius: RadiusLaw,
+    /// Name of the shape of these grains. Default: spheres (discs).
+    pub shape: Option<String>,
+    /// Sizes over that of the shape. Default: 1.
+    pub scale: Option<RadiusLaw>,
+    /// Orientations of shaped grains. Default: random.
+    pub orientation: Option<OrientationLaw>,
+    /// The shape, once the scene is loaded.
+    #[serde(skip)]
+    pub shaped: Option<Shaped>,
     /// Number of grains; needed by random places. Default on a lattice: as many as fit.
     pub count: Option<u32>,
     /// Half-width of the displacement of each coordinate, m. Default 0.
@@ -93,6 +104,12 @@ pub(crate) struct FillStream {
     pub(crate) number: usize,
 }
 
+impl FillStream {
+    fn of(self, what: &str) -> Stream {
+        Stream::new(self.seed, &format!("fill {}{what}", self.number))
+    }
+}
+
 impl Fill {
     /// Returns the number of lattice cells along each axis, as whole numbers of any size; infinite if the box is too long for
     /// a number.
@@ -134,6 +151,7 @@ impl Fill {
         let is_jittered = self.jitter.is_some_and(|jitter| jitter.get() > 0.0);
         is_jittered
             || self.agitation.is_some()
+            || self.shaped.as_ref().is_some_and(|shaped| shaped.orientation == OrientationLaw::Random)
             || self.place == Placement::Random
             || !matches!(self.radius, RadiusLaw::Fixed(_))
     }
@@ -152,7 +170,9 @@ impl Fill {
         // A longer row than there are grains makes no difference.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped; at most 1e7")]
         let [columns, rows, _] = self.cells(dimension).map(|cells| cells.clamp(1.0, f64::from(MOST_GRAINS)) as u32);
-        let random = Stream::new(seed, &format!("fill {number}"));
+        let stream = FillStream { seed, number };
+        let random = stream.of("");
+        let turns = stream.of(" orientation");
         let mut quotas = self.radius.quotas(count);
         let axes = |v| axes(dimension, v);
         let jitter = self.jitter.map_or(0.0, NonNegative::get);
@@ -165,7 +185,8 @@ impl Fill {
                 let displaced = axes([x, y, z].map(|u| jitter * (2.0 * u - 1.0)));
                 let position = self.low.padded() + axes(cell) * spacing + displaced;
                 let id = GrainId::grain(first_id.checked_add(n)?)?;
-                Some(self.row(id, position, size, mass, axes([vx, vy, vz])))
+                let row = self.row(id, position, size, mass, axes([vx, vy, vz]));
+                Some(GrainRow { posture: self.posture(dimension, size.radius, &turns, n), ..row })
             })
             .collect()
     }
@@ -182,8 +203,25 @@ impl Fill {
             position,
             velocity: velocity + agitation * (2.0 * u - Solid::ONE),
             spin: Solid::ZERO,
+            posture: None,
             species: Species(self.species.saturating_add(species.0)),
         }
+    }
+
+    /// Returns the posture of grain `n` with this radius, m.
+    fn posture(&self, dimension: Dimension, radius: f64, turns: &Stream, n: u32) -> Option<Posture> {
+        let shaped = self.shaped.as_ref()?;
+        let numbers = turns.uniform::<3>(u64::from(n));
+        Some(match dimension {
+            Dimension::Plane => shaped.posture::<Plane>(radius, numbers),
+            Dimension::Solid => shaped.posture::<Solid>(radius, numbers),
+        })
+    }
+
+    /// Returns the radius (m) of the smallest sphere about its centre that holds a grain of this radius, m.
+    #[must_use]
+    pub fn reach(&self, radius: f64) -> f64 {
+        self.shaped.as_ref().map_or(radius, |shaped| shaped.reach(radius))
     }
 
     /// Like [`Fill::grains`], at random places that `occupied` and `is_clear` (of walls; centre and radius, m) leave free. The places are
@@ -198,8 +236,7 @@ impl Fill {
         is_clear: impl Fn(Solid, f64) -> bool,
     ) -> Vec<GrainRow> {
         let count = self.count.unwrap_or(0);
-        let FillStream { seed, number } = stream;
-        let [sizes, places] = ["", " place"].map(|what| Stream::new(seed, &format!("fill {number}{what}")));
+        let [sizes, places, turns] = ["", " place", " orientation"].map(|what| stream.of(what));
         let mut quotas = self.radius.quotas(count);
         let low = self.low.padded();
         let high = self.high.padded();
@@ -216,9 +253,11 @@ impl Fill {
             let [size, _, _, _, vx, vy, vz] = sizes.uniform::<7>(u64::from(n));
             let size = self.radius.choose(size, &mut quotas);
             let Some(id) = first_id.checked_add(n).and_then(GrainId::grain) else { break };
-            let Some(x) = place(n, size.radius, occupied) else { break };
-            occupied.add(x, size.radius);
-            rows.push(self.row(id, x, size, mass, axes(dimension, [vx, vy, vz])));
+            let reach = self.reach(size.radius);
+            let Some(x) = place(n, reach, occupied) else { break };
+            occupied.add(x, reach);
+            let row = self.row(id, x, size, mass, axes(dimension, [vx, vy, vz]));
+            rows.push(GrainRow { posture: self.posture(dimension, size.radius, &turns, n), ..row });
         }
         rows
     }

@@ -4,6 +4,7 @@ use bevy_ecs::entity::EntityIndex;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 
+use siloflow_dem::bodies::{Orientation, Shape};
 use siloflow_dem::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
 use siloflow_dem::space::Space;
 use siloflow_dem::spin::Spin;
@@ -20,6 +21,8 @@ pub(crate) struct GrainSnapshot<V: Space> {
     pub(crate) species: Species,
     /// Spin; `None` if the grain cannot spin.
     pub(crate) spin: Option<V::Spin>,
+    /// Shape, and orientation of its principal axes; `None` for a sphere (disc).
+    pub(crate) shape: Option<(Shape, V::Rotor)>,
 }
 
 /// Returns whether grains of the world spin, also if it has no grain.
@@ -52,6 +55,7 @@ pub(crate) fn take<V: Space, E>(
         velocity: row.velocity.0,
         species: *row.species,
         spin: row.spin.map(|spin| spin.0),
+        shape: row.shape.map(|(shape, rotor)| (*shape, rotor.0)),
     };
     let entity = |(_, index): (GrainId, EntityIndex)| world.entities().resolve_from_index(index);
     grains.into_iter().map(entity).filter_map(|grain| rows.get(world, grain).ok().map(snapshot)).try_for_each(visit)
@@ -67,4 +71,5 @@ struct GrainRow<V: Space> {
     velocity: &'static Velocity<V>,
     species: &'static Species,
     spin: Option<&'static Spin<V::Spin>>,
+    shape: Option<(&'static Shape, &'static Orientation<V>)>,
 }

@@ -8,6 +8,7 @@ pub mod mass;
 pub mod occupied;
 pub mod pending;
 pub mod region;
+pub mod shaped;
 pub mod sizes;
 pub mod spawner;
 

@@ -17,6 +17,13 @@ pub enum RadiusLaw {
     Uniform(Positive, Positive),
 }
 
+impl Default for RadiusLaw {
+    /// One: the scale of a shaped grain. Sources of spheres must give radii.
+    fn default() -> Self {
+        Self::Fixed(Positive::try_from(1.0).expect("1 is positive"))
+    }
+}
+
 impl RadiusLaw {
     /// Returns the smallest and the largest radius, m.
     #[must_use]

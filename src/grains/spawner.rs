@@ -17,6 +17,7 @@ use crate::grains::feed;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::pending::{LeftOfSpawner, Pending};
+use crate::grains::shaped::{OrientationLaw, Posture, Shaped};
 use crate::grains::sizes::{GrainSize, RadiusLaw, are_quotas};
 use crate::random::Stream;
 use siloflow_dem::messages::GrainReleased;
@@ -47,8 +48,18 @@ pub struct Spawner {
     pub interval: Positive,
     /// Number of grains.
     pub count: u32,
-    /// Radii, m.
+    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
+    #[serde(default)]
     pub radius: RadiusLaw,
+    /// Name of the shape of these grains. Default: spheres (discs).
+    pub shape: Option<String>,
+    /// Sizes over that of the shape. Default: 1.
+    pub scale: Option<RadiusLaw>,
+    /// Orientations of shaped grains. Default: random.
+    pub orientation: Option<OrientationLaw>,
+    /// The shape, once the scene is loaded.
+    #[serde(skip)]
+    pub shaped: Option<Shaped>,
     /// Longest delay of a release before the run fails, s. Default 10.
     #[serde(default = "default_timeout")]
     pub release_timeout: NonNegative,
@@ -94,14 +105,15 @@ impl Spawner {
 
     /// Returns the grain with this id. Grains are drawn in the order of their ids.
     fn draw<V: Space>(&self, random: &Stream, id: GrainId, quotas: &mut [u32]) -> Candidate<V> {
-        let [u, share @ ..] = random.uniform::<4>(u64::from(id.number()));
+        let [u, x, y, z, turns @ ..] = random.uniform::<7>(u64::from(id.number()));
         let GrainSize { radius, species } = self.radius.choose(u, quotas);
         let half_widths = self.jitter.map_or(V::ZERO, FiniteVector::get);
         let mut position = self.point.get::<V>();
-        for (axis, share) in share.into_iter().enumerate().take(V::COMPONENTS) {
+        for (axis, share) in [x, y, z].into_iter().enumerate().take(V::COMPONENTS) {
             position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
         }
-        Candidate { id, position, radius, species }
+        let posture = self.shaped.as_ref().map(|shaped| shaped.posture::<V>(radius, turns));
+        Candidate { id, position, radius, species, posture }
     }
 
     /// Returns the grains in the order of their release, for programs that release them themselves.
@@ -111,10 +123,19 @@ impl Spawner {
         let mut quotas = self.radius.quotas(self.count);
         let grain = |number: u32| {
             let id = GrainId::grain(first_id.checked_add(number)?)?;
-            let Candidate { position, radius, species, .. } = self.draw::<V>(&random, id, &mut quotas);
+            let Candidate { position, radius, species, posture, .. } = self.draw::<V>(&random, id, &mut quotas);
             let position = position.spread();
             let velocity = self.velocity.padded();
-            Some(GrainRow { id, radius, mass: mass.of(radius), position, velocity, spin: Solid::ZERO, species })
+            Some(GrainRow {
+                id,
+                radius,
+                mass: mass.of(radius),
+                position,
+                velocity,
+                spin: Solid::ZERO,
+                posture,
+                species,
+            })
         };
         (0..self.count).map_while(grain).collect()
     }
@@ -127,6 +148,14 @@ struct Candidate<V> {
     position: V,
     radius: f64,
     species: Species,
+    posture: Option<Posture>,
+}
+
+impl<V> Candidate<V> {
+    /// Radius of the smallest sphere about the centre that holds the grain, m.
+    fn reach(&self) -> f64 {
+        self.posture.map_or(self.radius, |posture| posture.reach)
+    }
 }
 
 /// The part of the state that changes.
@@ -220,7 +249,7 @@ fn release<V: Space>(
         delays.longest_delay_s = delays.longest_delay_s.max(delay);
     }
     let mass = state.mass.of(grain.radius);
-    commands.spawn(GrainBundle {
+    let mut new = commands.spawn(GrainBundle {
         particle: Particle {
             id: grain.id,
             position: Position(grain.position),
@@ -231,6 +260,9 @@ fn release<V: Space>(
         species: grain.species,
         grain: Grain,
     });
+    if let Some(posture) = grain.posture {
+        new.insert(posture.components::<V>());
+    }
     released.write(GrainReleased { id: grain.id });
     pending.0 -= 1;
     state.next = None;
@@ -245,14 +277,14 @@ fn release<V: Space>(
 /// Returns the name of a particle or wall that `grain` would overlap.
 fn blocker<V: Space>(grain: &Candidate<V>, particles: &Particles<V>, walls: &Surfaces<V>) -> Option<String> {
     let overlaps = |row: usize| {
-        let reach = particles.radius(row) + grain.radius;
+        let reach = particles.radius(row) + grain.reach();
         particles.separation(particles.position(row), grain.position).length() < reach
     };
-    if let Some(row) = particles.all().find(|&row| overlaps(row)) {
+    if let Some(row) = particles.spheres().find(|&row| overlaps(row)) {
         return Some(particles.id(row).to_string());
     }
-    let overlaps = |wall: &&SurfaceWall<V>| wall.is_present && wall.surface.distance(grain.position) < grain.radius;
-    let near = walls.near(grain.position, grain.radius);
+    let overlaps = |wall: &&SurfaceWall<V>| wall.is_present && wall.surface.distance(grain.position) < grain.reach();
+    let near = walls.near(grain.position, grain.reach());
     let wall = near.iter().map(|index| &walls.all[index]).find(overlaps)?;
     Some(format!("wall {} of the scene", wall.number + 1))
 }

@@ -100,6 +100,10 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
             start,
         );
     }
+    if !scene.shapes.is_empty() {
+        let reason = "grains with shapes are not written: LAMMPS needs `fix rigid/small` for them";
+        return refuse("shapes", reason, "export the same scene with spheres");
+    }
     if scene.kick.is_some() {
         return refuse("kick", "kicks that restart the flow are not written", "export without it");
     }

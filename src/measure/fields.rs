@@ -340,7 +340,15 @@ impl<V: Space> FieldSampler<V> {
                 return;
             }
             let (force, branch) = force_and_branch(survey, partner, pair, memory);
-            let from = store.body[i].position;
+            // Branches join centres of mass.
+            let arm = store.bodies.arm(i);
+            let of_partner = match partner {
+                Partner::Particle(j) => store.bodies.arm(j),
+                Partner::Wall(_) => V::ZERO,
+            };
+            let branch = arm + branch - of_partner;
+            let from = store.body[i].position - arm;
+            let from = store.periodic.map_or(from, |periodic| periodic.wrapped(from));
             grid.visit_branch(from, branch, store.periodic.as_ref(), |cell, weight, at| {
                 let sums = &mut sums[cell * layout.sums()..][..layout.sums()];
                 let f = grid.components(force, at);

@@ -2,12 +2,14 @@
 
 mod contacts;
 mod fill;
+mod shapes;
 pub mod start_state;
 
 use std::path::Path;
 use std::sync::Arc;
 
 use crate::grains::file::{self, Kind};
+use crate::grains::shaped::Shapes;
 use crate::lattice_silo::loaded::LoadedLattice;
 use crate::scene::check::automatic;
 use crate::scene::check::quantities::Estimates;
@@ -149,9 +151,11 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
         contacts_at_start: RememberedContacts::default(),
         fixed: Vec::new(),
         notes: Vec::new(),
+        shapes: Shapes::default(),
     };
     // Vectors have a checked number of components before any other code reads them.
     rules::space(&loaded)?;
+    loaded.resolve_shapes()?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
         let text = input::read_text(&path, SILO_BYTES)
@@ -160,7 +164,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
     }
     if let Some(grains) = loaded.scene.grains.clone() {
         let path = loaded.source.name_file("grains.file", &grains.file);
-        let kind = Kind { dimension: loaded.scene.space, spins: loaded.scene.contact.spins() };
+        let kind = Kind { dimension: loaded.scene.space, spins: loaded.grains_spin(), shapes: &loaded.shapes.facts };
         let name = path.display().to_string();
         loaded.grains = match loaded.source.text_for("grains.file") {
             Some(text) => file::parse(&name, text, kind)?,

@@ -5,6 +5,7 @@ mod walls;
 
 use crate::grains::file::GrainRow;
 use crate::grains::fill::FixedGrain;
+use crate::grains::shaped::{ShapeFacts, Shaped, Shapes, sphere_factors};
 use crate::grains::sizes::RadiusLaw;
 use crate::lattice_silo::loaded::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
@@ -15,7 +16,7 @@ use siloflow_dem::contact::history::remembered::RememberedContacts;
 use siloflow_dem::contact::selection::Contacts;
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::neighbours::Neighbours;
-use siloflow_dem::space::{Dimension, Space};
+use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::spin::InertiaLaw;
 use siloflow_dem::values::Positive;
 use siloflow_dem::walls::silo_file::SiloGeometry;
@@ -39,6 +40,8 @@ pub struct Loaded {
     pub fixed: Vec<FixedGrain>,
     /// Warnings about parts of the state of another run, from which the scene starts, that were left out.
     pub notes: Vec<Warning>,
+    /// The shapes of grains.
+    pub shapes: Shapes,
 }
 
 /// A scene of either method that is ready to run.
@@ -146,13 +149,54 @@ impl Loaded {
         walls.chain(silo).chain(grains).chain(fixed).chain(pairs).fold(mixture, usize::max)
     }
 
-    /// Smallest and largest radius of all grains, present and to be released, m; `None` without grains.
+    /// Smallest and largest radius of all spheres of grains, present and to be released, m; `None` without grains.
     #[must_use]
     pub fn grain_radii(&self) -> Option<(f64, f64)> {
-        let start = self.grains.iter().map(|grain| (grain.radius, grain.radius));
-        let to_come = self.scene.spawner.iter().filter(|s| s.count > 0).map(|spawner| spawner.radius.range());
-        let feeds = self.scene.feed.iter().map(|feed| feed.radius.range());
+        let of_spheres = |(low, high): (f64, f64), shaped: Option<&Shaped>| {
+            let [largest, smallest] = sphere_factors(shaped);
+            (low * smallest, high * largest)
+        };
+        let start = self.grains.iter().map(|grain| {
+            let factors = grain
+                .posture
+                .and_then(|posture| self.shapes.facts_of(posture.shape))
+                .map_or([1.0; 2], ShapeFacts::factors);
+            (grain.radius * factors[1], grain.radius * factors[0])
+        });
+        let spawner = self.scene.spawner.iter().filter(|s| s.count > 0);
+        let to_come = spawner.map(|spawner| of_spheres(spawner.radius.range(), spawner.shaped.as_ref()));
+        let feeds = self.scene.feed.iter().map(|feed| of_spheres(feed.radius.range(), feed.shaped.as_ref()));
         start.chain(to_come).chain(feeds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// The largest distance (m) of a grain's surface from its centre, of all grains, present and to be released.
+    #[must_use]
+    pub fn largest_reach(&self) -> f64 {
+        let start = self.grains.iter().map(GrainRow::reach);
+        let largest = |law: &RadiusLaw, shaped: Option<&Shaped>| {
+            let (_, radius) = law.range();
+            shaped.map_or(radius, |shaped| shaped.reach(radius))
+        };
+        let to_come = self.scene.spawner.iter().map(|spawner| largest(&spawner.radius, spawner.shaped.as_ref()));
+        let feeds = self.scene.feed.iter().map(|feed| largest(&feed.radius, feed.shaped.as_ref()));
+        start.chain(to_come).chain(feeds).fold(0.0, f64::max)
+    }
+
+    /// The spheres of a grain of the start: centres and radii, m.
+    #[must_use]
+    pub fn spheres_of(&self, grain: &GrainRow) -> Vec<(Solid, f64)> {
+        let spheres = grain.posture.map(|posture| match self.scene.space {
+            Dimension::Plane => self.shapes.spheres_of::<Plane>(&posture, grain.radius),
+            Dimension::Solid => self.shapes.spheres_of::<Solid>(&posture, grain.radius),
+        });
+        let spheres = spheres.unwrap_or_else(|| vec![(Solid::ZERO, grain.radius)]);
+        spheres.into_iter().map(|(arm, radius)| (grain.position + arm, radius)).collect()
+    }
+
+    /// Whether grains of the scene spin: its contact law has friction, or it has shapes.
+    #[must_use]
+    pub fn grains_spin(&self) -> bool {
+        self.scene.contact.spins() || !self.shapes.is_empty()
     }
 
     /// The largest range of a contact beyond touch, m, for the largest grain in a hollow of the wall that multiplies its reduced radius

@@ -40,6 +40,7 @@ use crate::measure::profile::Profile;
 use crate::measure::wall_bands::WallBands;
 use crate::rest::Rest;
 use crate::scene::outputs::{DataFrames, Pictures, Series};
+use siloflow_dem::bodies::config::ShapeConfig;
 use siloflow_dem::contact::Contact;
 use siloflow_dem::contact::config::PairOfSpecies;
 use siloflow_dem::contact::hertz::Material;
@@ -102,6 +103,9 @@ pub struct Scene {
     pub neighbours: Option<Neighbours>,
     /// A silo file: wall grains and door grains.
     pub silo: Option<Silo>,
+    /// Shapes of grains by name.
+    #[serde(default)]
+    pub shapes: BTreeMap<String, ShapeConfig>,
     /// Further discs, and wall surfaces.
     #[serde(default)]
     pub walls: Vec<Wall>,

@@ -51,14 +51,14 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
     for disc in loaded.wall_discs().iter().chain(&loaded.silo.door) {
         ball(disc.centre.spread(), disc.radius);
     }
-    loaded.grains.iter().for_each(|grain| ball(grain.position, grain.radius));
+    loaded.grains.iter().for_each(|grain| ball(grain.position, grain.reach()));
     loaded.fixed.iter().for_each(|grain| ball(grain.position, grain.radius));
     if let (Some(spawner), Some((_, largest))) = (&loaded.scene.spawner, loaded.grain_radii()) {
         ball(spawner.point.padded(), largest);
     }
     for feed in &loaded.scene.feed {
         let (low, high) = feed.region.bounds();
-        let (_, largest) = feed.radius.range();
+        let largest = feed.reach(feed.radius.range().1);
         for corner in corners_of([low, high]) {
             ball(corner, largest);
         }

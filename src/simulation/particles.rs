@@ -8,7 +8,7 @@ use siloflow_dem::messages::GrainReleased;
 use siloflow_dem::particle::{Door, Force, GrainBundle, GrainId, Species, wall_grain};
 use siloflow_dem::periodic::Periodic;
 use siloflow_dem::space::{Linear, Space};
-use siloflow_dem::spin::{InertiaLaw, Torque};
+use siloflow_dem::spin::{InertiaLaw, Spin, Torque};
 use siloflow_dem::store::ParticleStore;
 use siloflow_dem::table_sort::sort_newcomers;
 use siloflow_dem::walls::config::WallGrain;
@@ -63,7 +63,9 @@ pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded, has_
         grain.particle.position.0 = in_box(grain.particle.position.0);
         (grain, V::narrow_spin(row.spin))
     };
-    let mut newcomers: Vec<_> = loaded.grains.iter().map(newcomer).collect();
+    let is_shaped = |row: &&GrainRow| row.posture.is_some();
+    let shaped: Vec<_> = loaded.grains.iter().filter(is_shaped).collect();
+    let mut newcomers: Vec<_> = loaded.grains.iter().filter(|row| !is_shaped(row)).map(newcomer).collect();
     sort_newcomers(&mut newcomers);
     let newcomers = newcomers.into_iter();
     // Step zero evaluates them.
@@ -71,6 +73,14 @@ pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded, has_
     let torque = Torque(V::Spin::ZERO);
     let turning =
         |law: InertiaLaw, grain: &GrainBundle<V>, spin| law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin);
+    for row in shaped {
+        let (grain, spin) = newcomer(row);
+        let posture = row.posture.map(|posture| posture.components::<V>()).expect("only shaped grains");
+        let mut spawned = world.spawn((grain, Spin(spin), posture));
+        if has_loads {
+            spawned.insert((torque, force));
+        }
+    }
     // Spawned in one batch, so that tables are allocated once.
     match (world.resource::<ParticleStore<V>>().inertia, has_loads) {
         (None, false) => world.spawn_batch(newcomers.map(|(grain, _)| grain)).for_each(drop),

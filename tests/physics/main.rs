@@ -17,8 +17,10 @@
 mod accuracy;
 mod adhesion;
 mod automatic;
+mod bodies;
 mod bounce;
 mod channels;
+mod clumps;
 mod column;
 mod conservation;
 mod crowd;
@@ -69,7 +71,7 @@ pub fn grain(id: u32, position: Vector, velocity: Vector, radius: f64, mass: f64
 /// Returns a sphere in solid space with the given id, centre, velocity, radius and mass.
 pub fn sphere(id: u32, position: DVec3, velocity: DVec3, radius: f64, mass: f64) -> GrainRow {
     let id = GrainId::grain(id).unwrap();
-    GrainRow { id, radius, mass, position, velocity, spin: DVec3::ZERO, species: Species(0) }
+    GrainRow { id, radius, mass, position, velocity, spin: DVec3::ZERO, posture: None, species: Species(0) }
 }
 
 /// Returns a single-threaded simulation of the scene with the keys `keys` and these grains.

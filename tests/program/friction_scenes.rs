@@ -157,6 +157,7 @@ fn each_species_pair_has_its_own_restitution() {
                 position: Solid::new(x, f64::from(pair), 0.0),
                 velocity: Solid::new(0.5 - f64::from(side), 0.0, 0.0),
                 spin: Solid::ZERO,
+                posture: None,
                 species: Species(species),
             });
         }

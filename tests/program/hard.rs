@@ -760,6 +760,33 @@ fn grains_leave_through_holes_in_round_walls_and_none_is_lost() {
 }
 
 #[test]
+fn a_needle_falls_through_a_slot_and_another_stays_across_a_gap() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = through("needle", &[("integrator", integrator)]);
+        assert_all_inside(&run, 2, integrator);
+        let [(through, ..), (across, v, _)] = planar(&mut run)[..] else { panic!("two needles") };
+        // The first has fallen freely past the slot; the second lies on both edges, with its axis half a diameter above them.
+        assert!(through.y < -0.1 && through.x.abs() < 5e-4, "{integrator}: {through}");
+        assert!((across.y - 0.005).abs() < 1e-4 && v.length() < 1e-3, "{integrator}: {across} {v}");
+        let (_, flows, error) = balance(&run);
+        assert!(error.abs() < 1e-3 * flows.dissipated.max(1.0), "{integrator}: {error} of {flows:?}");
+    }
+}
+
+#[test]
+fn clumps_of_two_sizes_stay_in_a_corner() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = through("clumps-in-corner", &[("integrator", integrator)]);
+        assert_all_inside(&run, 66, integrator);
+        let lowest = grains::<Solid>(&mut run).iter().map(|(x, ..)| x.min_element()).fold(f64::INFINITY, f64::min);
+        assert!(lowest > 5e-4, "{integrator}: a grain is in a wall, {lowest} m from it");
+        let (_, flows, error) = balance(&run);
+        assert!(error.abs() < 1e-3 * flows.released.abs(), "{integrator}: {error} of {flows:?}");
+        assert!(flows.dissipated > 0.1 * flows.released.abs(), "{integrator}: {flows:?}");
+    }
+}
+
+#[test]
 fn walls_that_cross_the_sides_of_a_periodic_box_hold_all_grains() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("sides", &[("integrator", integrator)]);

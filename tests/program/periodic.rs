@@ -18,7 +18,16 @@ fn run(keys: &str, grains: &[(Solid, Solid, u8)], threads: usize) -> Simulation 
     for (number, &(position, velocity, species)) in (1..).zip(grains) {
         let id = GrainId::grain(number).unwrap();
         let species = Species(species);
-        loaded.grains.push(GrainRow { id, radius: 0.04, mass: 0.16, position, velocity, spin: Solid::ZERO, species });
+        loaded.grains.push(GrainRow {
+            id,
+            radius: 0.04,
+            mass: 0.16,
+            position,
+            velocity,
+            spin: Solid::ZERO,
+            posture: None,
+            species,
+        });
     }
     let mut run = simulation(&loaded, threads);
     run.run();

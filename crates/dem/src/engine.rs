@@ -12,6 +12,7 @@ use crate::contact::law::{LawRequirements, PairLaw};
 use crate::contact::plugin::ContactPlugin;
 use crate::contact::selection::{Contacts, LawReceiver};
 use crate::integrate::IntegratorPlugin;
+use crate::integrate::rigid::BodiesPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::integrate::wrap::PeriodicPlugin;
 use crate::neighbours::NeighboursPlugin;
@@ -55,6 +56,7 @@ engine! {
     add_integrator: IntegratorPlugin,
     add_periodic: PeriodicPlugin,
     add_spins: SpinPlugin,
+    add_bodies: BodiesPlugin,
     add_velocity_prediction: VelocityPredictionPlugin,
 }
 

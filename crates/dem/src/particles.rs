@@ -54,10 +54,16 @@ impl<V: Space> Particles<'_, V> {
         self.store.integrated_rows().filter(|&row| self.is_present(row))
     }
 
-    /// The rows of all particles.
+    /// The rows of all particles: grains, each once, and fixed particles.
     #[inline]
     pub fn all(&self) -> impl Iterator<Item = usize> {
-        (0..self.len()).filter(|&row| self.is_present(row))
+        (0..self.len()).filter(|&row| self.is_present(row) && self.store.is_whole(row))
+    }
+
+    /// The rows of all spheres (discs): particles that are one sphere, and the spheres of shaped grains.
+    #[inline]
+    pub fn spheres(&self) -> impl Iterator<Item = usize> {
+        self.store.contact_rows().filter(|&row| self.is_present(row))
     }
 
     /// Whether the particle of a row still exists. A particle that left keeps its row until the next renumbering.

@@ -23,7 +23,7 @@ pub struct Spin<W: Linear = f64>(pub W);
 #[serde(bound = "")]
 pub struct Torque<W: Linear = f64>(pub W);
 
-/// Moment of inertia about the centre, kg m^2.
+/// Moment of inertia about the centre, kg m^2; for a shaped grain in solid space the mean of its principal moments.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[component(immutable)]
 pub struct Inertia(pub f64);

@@ -12,6 +12,8 @@
 //! Slots run row by row through space, and in large packings beam by beam; within a cell they are sorted by id.
 //! Neighbours in space are therefore mostly neighbours in memory. Fixed particles come last.
 //!
+//! A grain of several spheres has a row for itself and a row for each of its spheres (`store/bodies.rs`).
+//!
 //! Slots are assigned anew after the phase [`Spawn`](crate::step::Phase::Spawn) in two cases, both of which depend on
 //! the state alone:
 //! * A particle entered, left, was fixed or freed, or got another radius, mass, species or moment of inertia.
@@ -19,6 +21,7 @@
 
 mod access_markers;
 mod accumulator;
+mod bodies;
 mod component_sync;
 mod consistent;
 mod declared_access;
@@ -50,6 +53,7 @@ pub use self::access_markers::PlainCommands;
 pub(crate) use self::access_markers::{OwnObserver, ReadsMotion, ReadsPlaces};
 pub use self::accumulator::{Accumulator, TOTAL_AND_DISSIPATIVE};
 pub(crate) use self::accumulator::{TOTAL, kick_term};
+pub use self::bodies::{BodyColumns, BodySlot, SphereOfBody};
 pub use self::component_sync::{collect_from_world, complete_world, plan, publish_to_world, refresh_world, uses_loads};
 pub(crate) use self::deferred_kick::add_second_kick;
 pub use self::deferred_kick::{
@@ -76,7 +80,7 @@ use crate::displacement_trigger::TravelMeter;
 pub use crate::particle::Slot;
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
-use crate::space::{Dimension, Linear, Plane, Solid, Space};
+use crate::space::{Dimension, Linear, Plane, Rotor, Solid, Space};
 use crate::spin::InertiaLaw;
 
 /// The numbers of a particle that every contact reads, side by side in memory. The force pass loads them in groups of four,
@@ -189,8 +193,10 @@ pub struct ParticleStore<V: Space = Plane> {
     pub(crate) wraps_after_drift: bool,
     /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
     pub smallest_share: f64,
-    /// Number of free particles, on which forces act: they have the first slots. All others are fixed.
+    /// Number of free rows: they have the first slots. All others are fixed.
     pub free_end: usize,
+    /// The bodies of several spheres, and the rows of their spheres.
+    pub bodies: BodyColumns<V>,
     /// Number of renumberings so far. Code that caches slots compares it to detect a renumbering.
     pub generation: u64,
     /// Sum over the steps of the longest move of any particle in a step, m: an upper bound of the distance that any
@@ -233,6 +239,7 @@ impl<V: Space> Default for ParticleStore<V> {
             wraps_after_drift: false,
             smallest_share: 0.0,
             free_end: 0,
+            bodies: BodyColumns::default(),
             generation: 0,
             travel: 0.0,
             tracks_energy: false,
@@ -276,26 +283,35 @@ impl<V: Space> ParticleStore<V> {
         i >= self.free_end
     }
 
-    /// The rows of free particles, on which forces act. Searches and sums over contacts use these rows.
+    /// The rows of free spheres, on which contacts act: grains that are one sphere, and spheres of bodies. Searches and sums over contacts
+    /// use these rows.
     #[must_use]
     #[inline]
     pub fn free_rows(&self) -> Range<usize> {
-        0..self.free_end
+        self.bodies.free..self.free_end
+    }
+
+    /// The rows of all spheres, free and fixed. The other rows are centres of bodies.
+    #[must_use]
+    #[inline]
+    pub fn contact_rows(&self) -> Range<usize> {
+        if self.bodies.is_empty() { 0..self.len() } else { self.bodies.free..self.bodies.contact_end }
     }
 
     /// The rows that the integrator moves, each by its own force and torque. Kicks and drifts use these rows, and so do sums and
-    /// counts over grains, because each such row is one grain with its mass and its energy of motion. Every free row is one.
+    /// counts over grains, because each such row is one grain with its mass and its energy of motion. Free bodies come first.
     #[must_use]
     #[inline]
     pub fn integrated_rows(&self) -> Range<usize> {
-        0..self.free_end
+        if self.bodies.is_empty() { 0..self.free_end } else { 0..self.bodies.first_sphere }
     }
 
-    /// All slots, in ascending order of particle id.
+    /// The rows of all spheres, in ascending order of particle id, then of the number in the shape.
     #[must_use]
     pub fn by_id(&self) -> Vec<usize> {
-        let mut entries: Vec<_> = (0..self.len()).collect();
-        entries.sort_unstable_by_key(|&i| self.id[i]);
+        let mut entries: Vec<_> = self.contact_rows().collect();
+        let number = |i: usize| self.bodies.sphere(i).map_or(0, |sphere| sphere.number);
+        entries.sort_unstable_by_key(|&i| (self.id[i], number(i)));
         entries
     }
 
@@ -341,6 +357,10 @@ impl<V: Space> ParticleStore<V> {
     #[must_use]
     #[inline]
     pub fn rotational_energy(&self, i: usize) -> f64 {
+        if i < self.bodies.free {
+            let momentum = self.bodies.rotor[i].momentum(self.spin(i), self.bodies.inverse_inertia[i]);
+            return 0.5 * momentum.dot(self.spin(i));
+        }
         match self.rotation.get(i) {
             Some(&Rotation { spin, inverse_inertia })
                 if inverse_inertia > 0.0 && self.integrated_rows().contains(&i) =>

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Feed, FeedFigure, Rate};
 use crate::grains::mass::MassLaw;
+use crate::grains::shaped::Posture;
 use crate::grains::sizes::{GrainSize, are_quotas};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
@@ -46,6 +47,9 @@ pub(super) struct Released<V: Space> {
     pub velocity: V,
     pub rotation: Option<(InertiaLaw, V::Spin)>,
     pub radius: f64,
+    /// Radius of the smallest sphere about the centre that holds the grain, m.
+    pub reach: f64,
+    pub posture: Option<Posture>,
     pub mass: f64,
     pub species: Species,
     waits_since: Option<f64>,
@@ -61,6 +65,7 @@ pub(super) struct Inlet<V: Space> {
     sizes: Stream,
     places: Stream,
     motions: Stream,
+    turns: Stream,
     /// Centre and half extents of the region, m.
     middle: V,
     half: V,
@@ -83,6 +88,7 @@ impl<V: Space> Inlet<V> {
             sizes: stream("size"),
             places: stream("place"),
             motions: stream("motion"),
+            turns: stream("orientation"),
             middle: V::narrow(0.5 * (low + high)),
             half: V::narrow(0.5 * (high - low)),
             quotas: config.radius.quotas(left.unwrap_or(BLOCK)),
@@ -140,12 +146,13 @@ impl<V: Space> Inlet<V> {
     /// Returns the particles that may overlap a grain in the region, as places and radii.
     pub(super) fn near(&self, particles: &Particles<V>) -> Vec<(V, f64)> {
         let (_, largest) = self.config.radius.range();
+        let largest = self.config.reach(largest);
         let is_near = |&row: &usize| {
             let away = particles.separation(particles.position(row), self.middle);
             let reach = particles.radius(row) + largest;
             (0..V::COMPONENTS).all(|axis| away.axis(axis).abs() <= self.half.axis(axis) + reach)
         };
-        particles.all().filter(is_near).map(|row| (particles.position(row), particles.radius(row))).collect()
+        particles.spheres().filter(is_near).map(|row| (particles.position(row), particles.radius(row))).collect()
     }
 
     /// Draws the next grain, if none is waiting. Returns false if there are no ids left.
@@ -179,7 +186,8 @@ impl<V: Space> Inlet<V> {
             grain.tries = grain.tries.wrapping_add(1);
             let position = V::narrow(self.config.region.point(u));
             let position = periodic.map_or(position, |periodic| periodic.wrapped(position));
-            if !is_free(position, grain.radius) {
+            let reach = self.config.reach(grain.radius);
+            if !is_free(position, reach) {
                 continue;
             }
             let Candidate { id, radius, species, waits_since, .. } = self.next.take()?;
@@ -194,6 +202,12 @@ impl<V: Space> Inlet<V> {
                 velocity: self.config.velocity.get::<V>() + velocity,
                 rotation: self.inertia.map(|law| (law, V::narrow_spin(spin))),
                 radius,
+                reach,
+                posture: self
+                    .config
+                    .shaped
+                    .as_ref()
+                    .map(|shaped| shaped.posture::<V>(radius, self.turns.uniform(number))),
                 mass: self.mass.of(radius),
                 species,
                 waits_since,

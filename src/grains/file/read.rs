@@ -8,9 +8,11 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord};
 
 use crate::grains::MOST_GRAINS;
-use crate::grains::file::{ALWAYS, GrainRow, Kind, SOLID, SPIN};
+use crate::grains::file::{ALWAYS, GrainRow, Kind, SHAPE, SOLID, SPIN};
+use crate::grains::shaped::{Posture, ShapeFacts};
+use siloflow_dem::bodies::Shape;
 use siloflow_dem::particle::{GrainId, Species};
-use siloflow_dem::space::Solid;
+use siloflow_dem::space::{Quaternion, Rotor, Solid};
 use siloflow_text::encoding::MARK;
 use siloflow_text::fault::Fault;
 use siloflow_text::file::{GRAIN_BYTES, open_text};
@@ -19,7 +21,7 @@ use siloflow_text::file::{GRAIN_BYTES, open_text};
 ///
 /// # Errors
 /// If a column is missing or unknown, or a value is out of range. The fault points at line and column.
-pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault> {
+pub fn parse(name: &str, text: &str, kind: Kind<'_>) -> Result<Vec<GrainRow>, Fault> {
     let text = text.strip_prefix(MARK).unwrap_or(text);
     rows(text.as_bytes(), kind).map_err(|defect| defect.fault(name, text))
 }
@@ -28,7 +30,7 @@ pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault>
 ///
 /// # Errors
 /// The outer error if the file cannot be read, the inner one as for [`parse`].
-pub fn read(name: &str, path: &Path, kind: Kind) -> io::Result<Result<Vec<GrainRow>, Fault>> {
+pub fn read(name: &str, path: &Path, kind: Kind<'_>) -> io::Result<Result<Vec<GrainRow>, Fault>> {
     match rows(open_text(path, GRAIN_BYTES)?, kind) {
         Ok(rows) => Ok(Ok(rows)),
         Err(Defect { at: Place::Unreadable(error), .. }) => Err(error),
@@ -47,7 +49,7 @@ pub fn read(name: &str, path: &Path, kind: Kind) -> io::Result<Result<Vec<GrainR
     }
 }
 
-fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Defect> {
+fn rows(source: impl io::Read, kind: Kind<'_>) -> Result<Vec<GrainRow>, Defect> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(source);
     let header = reader.headers().map_err(Defect::syntax)?.clone();
     check_header(&header, kind)?;
@@ -74,17 +76,18 @@ fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Defect> {
     Ok(rows)
 }
 
-fn check_header(header: &StringRecord, kind: Kind) -> Result<(), Defect> {
+fn check_header(header: &StringRecord, kind: Kind<'_>) -> Result<(), Defect> {
     let defect = |code, message: String| {
         let needed: Vec<_> = kind.needed().collect();
         let help = format!("the columns are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
         Err(Defect { code, message, help, at: Place::Header })
     };
-    if let Some(missing) = kind.needed().find(|&column| !header.iter().any(|found| found == column)) {
+    let has = |column: &str| header.iter().any(|found| found == column);
+    if let Some(missing) = kind.needed().find(|&column| !has(column) && !(column == "radius" && has("scale"))) {
         return defect("grain_file::missing_column", format!("the column `{missing}` is missing"));
     }
     let known = |column: &str| {
-        ALWAYS.contains(&column) || SOLID.contains(&column) || SPIN.contains(&column) || column == "species"
+        [&ALWAYS[..], &SOLID, &SPIN, &SHAPE].iter().any(|columns| columns.contains(&column)) || column == "species"
     };
     if let Some(unknown) = header.iter().find(|column| !known(column)) {
         return defect("grain_file::unknown_column", format!("there is no column `{unknown}`"));
@@ -165,7 +168,7 @@ fn cell(text: &str, from: usize, column: usize) -> Range<usize> {
 struct Line<'a> {
     header: &'a StringRecord,
     record: &'a StringRecord,
-    kind: Kind,
+    kind: Kind<'a>,
 }
 
 impl Line<'_> {
@@ -191,6 +194,52 @@ impl Line<'_> {
         }
     }
 
+    /// Returns the shape that the line names, if it names one.
+    fn shape(&self) -> Result<Option<(Shape, &ShapeFacts)>, Defect> {
+        let Some(name) = self.value("shape").filter(|name| !name.is_empty()) else { return Ok(None) };
+        let shapes = self.kind.shapes;
+        match (0u16..).zip(shapes).find(|(_, facts)| facts.name == name) {
+            Some((number, facts)) => Ok(Some((Shape(number), facts))),
+            None => {
+                let names: Vec<_> = shapes.iter().map(|facts| facts.name.as_str()).collect();
+                let message = format!("expected a shape of the scene ({}), got `{name}`", names.join(", "));
+                Err(self.defect("grain_file::value", "shape", message))
+            }
+        }
+    }
+
+    /// Returns the radius (m), and the posture of a grain with a shape.
+    fn size_and_posture(&self) -> Result<(f64, Option<Posture>), Defect> {
+        let positive = |column| self.number(column, |x| x > 0.0, "a number greater than 0");
+        let is_given = |column: &str| self.value(column).is_some_and(|value| !value.is_empty());
+        let Some((shape, facts)) = self.shape()? else {
+            let of_shapes = SHAPE.into_iter().filter(|&column| column != "shape");
+            return match of_shapes.into_iter().find(|column| is_given(column)) {
+                Some(stray) => Err(self.defect("grain_file::value", stray, "this grain has no `shape`".to_owned())),
+                None => Ok((positive("radius")?, None)),
+            };
+        };
+        let radius = match (is_given("radius"), is_given("scale")) {
+            (true, true) => {
+                let message = "`radius` and `scale` both give the size".to_owned();
+                return Err(self.defect("grain_file::value", "scale", message));
+            }
+            (false, true) => positive("scale")? * facts.equivalent_radius,
+            _ => positive("radius")?,
+        };
+        let any = |column| self.number(column, |_| true, "a finite number");
+        let described = if self.kind.is_solid() {
+            let rotor = Quaternion::from_xyzw(any("qx")?, any("qy")?, any("qz")?, any("qw")?);
+            let message = || "the quaternion has no length".to_owned();
+            <Quaternion as Rotor<Solid>>::normalised(rotor)
+                .ok_or_else(|| self.defect("grain_file::value", "qw", message()))?
+        } else {
+            Quaternion::from_rotation_z(any("angle")?)
+        };
+        let reach = radius * (facts.reach / facts.equivalent_radius);
+        Ok((radius, Some(Posture { shape, rotor: described * facts.axes, reach })))
+    }
+
     fn grain(&self) -> Result<GrainRow, Defect> {
         let any = |column| self.number(column, |_| true, "a finite number");
         let positive = |column| self.number(column, |x| x > 0.0, "a number greater than 0");
@@ -211,13 +260,15 @@ impl Line<'_> {
                 self.defect("grain_file::value", "species", message)
             })?,
         };
+        let (radius, posture) = self.size_and_posture()?;
         Ok(GrainRow {
             id,
-            radius: positive("radius")?,
+            radius,
             mass: positive("mass")?,
             position: Solid::new(any("x")?, any("y")?, or_zero("z")?),
             velocity: Solid::new(any("vx")?, any("vy")?, or_zero("vz")?),
             spin: Solid::new(or_zero("wx")?, or_zero("wy")?, or_zero("wz")?),
+            posture,
             species: Species(species),
         })
     }

@@ -6,9 +6,10 @@ use bevy_ecs::prelude::*;
 
 use crate::grains::file::{self, GrainRow};
 use crate::grains::grain_snapshot;
-use siloflow_dem::space::{Dimension, Linear, Solid, Space};
-use siloflow_files::columns::Cell::{Plain, Whole};
-use siloflow_files::columns::{Column, Columns};
+use siloflow_dem::space::{Dimension, Linear, Quaternion, Rotor, Solid, Space};
+use siloflow_dem::store::ParticleStore;
+use siloflow_files::columns::Cell::{Empty, Plain, Text, Whole};
+use siloflow_files::columns::{Cell, Column, Columns};
 use siloflow_text::fault::Fault;
 
 /// The columns of a grain file. A scene reads them.
@@ -34,6 +35,30 @@ pub(crate) const SPINS: &[Column<GrainRow>] = &[
     Column::new("wz", "rad/s", SPIN, |grain| Plain(grain.spin.z)),
 ];
 
+/// The shape of a grain in a row.
+pub(crate) struct ShapeCells {
+    name: String,
+    /// The orientation of the shape as the scene describes it.
+    rotor: Quaternion,
+}
+
+const NAME: &str = "name of the shape, empty for a sphere (disc); these columns are absent in a scene without `shapes`";
+const ORIENTATION: &str = "orientation of the shape as the scene describes it, empty for a sphere (disc)";
+
+/// The columns of shapes, which follow if the scene has shapes.
+pub(crate) const SHAPES: &[Column<Option<ShapeCells>>] = &[
+    Column::new("shape", "", NAME, |shape| shape.as_ref().map_or(Empty, |shape| Text(&shape.name))),
+    Column::planar("angle", "rad", ORIENTATION, |shape| of(shape, |q| 2.0 * q.z.atan2(q.w))),
+    Column::solid("qw", "", ORIENTATION, |shape| of(shape, |q| q.w)),
+    Column::solid("qx", "", ORIENTATION, |shape| of(shape, |q| q.x)),
+    Column::solid("qy", "", ORIENTATION, |shape| of(shape, |q| q.y)),
+    Column::solid("qz", "", ORIENTATION, |shape| of(shape, |q| q.z)),
+];
+
+fn of(shape: &Option<ShapeCells>, number: fn(Quaternion) -> f64) -> Cell<'static> {
+    shape.as_ref().map_or(Empty, |shape| Plain(number(shape.rotor)))
+}
+
 /// Returns the grains of a world as the text of a grain file, in ascending order of ids.
 pub fn write<V: Space>(world: &mut World) -> String {
     let mut text = Vec::new();
@@ -48,8 +73,16 @@ pub fn write<V: Space>(world: &mut World) -> String {
 /// If `out` cannot be written to.
 pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Result<()> {
     let spins = if grain_snapshot::has_spins::<V>(world) { SPINS } else { &[] };
-    let columns = Columns::of(V::DIMENSION == Dimension::Solid, &[COLUMNS, spins]);
-    writeln!(out, "{}", columns.header())?;
+    let is_solid = V::DIMENSION == Dimension::Solid;
+    let columns = Columns::of(is_solid, &[COLUMNS, spins]);
+    let of_shapes = Columns::of(is_solid, &[SHAPES]);
+    let shapes = world.get_resource::<ParticleStore<V>>().map(|store| store.bodies.shapes.clone()).unwrap_or_default();
+    let header = columns.header();
+    if shapes.is_empty() {
+        writeln!(out, "{header}")?;
+    } else {
+        writeln!(out, "{header},{}", of_shapes.header())?;
+    }
     grain_snapshot::take::<V, _>(world, |grain| {
         let row = GrainRow {
             id: grain.id,
@@ -58,9 +91,18 @@ pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Res
             position: grain.position.spread(),
             velocity: grain.velocity.spread(),
             spin: grain.spin.map_or(Solid::ZERO, Linear::spread),
+            posture: None,
             species: grain.species,
         };
-        writeln!(out, "{}", columns.cells(&row))
+        if shapes.is_empty() {
+            return writeln!(out, "{}", columns.cells(&row));
+        }
+        let shape = grain.shape.and_then(|(shape, rotor)| {
+            let shape = shapes.get(shape.index())?;
+            let rotor = rotor.spread() * shape.axes.spread().conjugate();
+            Some(ShapeCells { name: shape.name.clone(), rotor })
+        });
+        writeln!(out, "{},{}", columns.cells(&row), of_shapes.cells(&shape))
     })
 }
 

@@ -63,14 +63,14 @@ pub fn domain(loaded: &Loaded) -> [Solid; 2] {
             _ => wall.bounds().into_iter().flatten().for_each(|corner| add(corner, 0.0)),
         }
     }
-    loaded.grains.iter().for_each(|grain| add(grain.position, grain.radius));
+    loaded.grains.iter().for_each(|grain| add(grain.position, grain.reach()));
     loaded.fixed.iter().for_each(|grain| add(grain.position, grain.radius));
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     scene.spawner.iter().for_each(|spawner| add(spawner.point.padded(), largest));
     for feed in &scene.feed {
         let (low, high) = feed.region.bounds();
-        add(low, feed.radius.range().1);
-        add(high, feed.radius.range().1);
+        add(low, feed.reach(feed.radius.range().1));
+        add(high, feed.reach(feed.radius.range().1));
     }
     let mut ends = [
         corners.iter().copied().reduce(Solid::min).unwrap_or(Solid::ZERO),

@@ -35,6 +35,7 @@ use siloflow_dem::particle::{Door, Grain, GrainId, Slot};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::{Linear, Solid, Space};
 use siloflow_dem::step::{Clock, Step};
+use siloflow_dem::store::SphereOfBody;
 use siloflow_dem::survey::contact_state::{ContactState, Touched};
 use siloflow_dem::survey::{Partner, Survey, SurveyParam};
 use siloflow_figures::colour;
@@ -157,12 +158,21 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table 
     let floats = |of: &dyn Fn(usize) -> f64| Values::F64(rows.iter().map(|&row| of(row)).collect());
     let vectors = |of: &dyn Fn(usize) -> V| vectors(rows.iter().map(|&row| of(row)));
     let d = V::COMPONENTS;
+    let sphere = |row: usize| store.bodies.sphere(row);
+    // The spheres of a grain share its mass, so that sums over rows are sums over grains.
+    let mass = |row: usize| match sphere(row) {
+        Some(SphereOfBody { body, .. }) => {
+            let count = u32::try_from(store.bodies.rows_of(body).len()).unwrap_or(u32::MAX);
+            store.mass[store.row_of_body(body)] / f64::from(count)
+        }
+        None => store.mass[row],
+    };
     let mut columns = vec![
         column("id", "", 1, Values::I32(rows.iter().map(|&row| id_number(store.id[row])).collect())),
         column("kind", "", 1, bytes(&|row| kind_of[row])),
         column("species", "", 1, bytes(&|row| store.species[row].0)),
         column("radius", "m", 1, floats(&|row| store.body[row].radius)),
-        column("mass", "kg", 1, floats(&|row| store.mass[row])),
+        column("mass", "kg", 1, floats(&mass)),
         column("position", "m", d, vectors(&|row| store.body[row].position)),
         column("velocity", "m/s", d, vectors(&|row| store.body[row].velocity)),
     ];
@@ -170,6 +180,11 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table 
     if store.has_spins() {
         let spins = self::vectors(rows.iter().map(|&row| store.spin(row)));
         columns.push(column("spin", "rad/s", V::Spin::COUNT, spins));
+    }
+    // A property of the scene, too.
+    if !store.bodies.shapes.is_empty() {
+        let numbers = rows.iter().map(|&row| sphere(row).map_or(0, |sphere| sphere.number));
+        columns.push(column("sphere", "", 1, Values::U16(numbers.collect())));
     }
     if measured {
         let pressures = pressure::of(survey);

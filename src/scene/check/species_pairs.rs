@@ -12,9 +12,11 @@
 //!   with the other third. The hexagonal lattice has such motions, so these bounds are reached. A grain may also be held by walls
 //!   alone: by z of them, or by two opposite ones if the scene has no more. Then tangents, rolling and twisting take part in the same turn.
 //!
-//! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
+//! Masses are taken from the grains at the start, and from the radii that the spawner will choose. A grain of a shape counts with its
+//! smallest effective mass, that of a contact at its end, and with its smallest sphere.
 
 use crate::grains::feed::Feed;
+use crate::grains::shaped::ShapeFacts;
 use crate::grains::sizes::RadiusLaw;
 use crate::random::Stream;
 use crate::scene::check::crowd::{Motion, Pull};
@@ -33,6 +35,14 @@ const DRAWN: u32 = 10_000;
 pub(super) struct Body {
     pub mass: f64,
     pub radius: f64,
+}
+
+impl Body {
+    /// Returns the lightest contact of a grain of a shape: its smallest effective mass, at its smallest sphere. Without a shape the
+    /// body itself.
+    fn of_shape(self, facts: Option<&ShapeFacts>) -> Self {
+        facts.map_or(self, |facts| Self { mass: self.mass / facts.mobility, radius: self.radius * facts.factors()[1] })
+    }
 }
 
 /// Two bodies that can meet.
@@ -240,7 +250,10 @@ pub fn all(loaded: &Loaded, speed: f64) -> Vec<SpeciesPair> {
 /// The lightest grain of each species, and the second lightest if there is one.
 fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
     let mut species: Vec<(u8, Body, Option<Body>)> = Vec::new();
-    let start = loaded.grains.iter().map(|grain| (grain.species.0, Body { mass: grain.mass, radius: grain.radius }));
+    let start = loaded.grains.iter().map(|grain| {
+        let facts = grain.posture.and_then(|posture| loaded.shapes.facts_of(posture.shape));
+        (grain.species.0, Body { mass: grain.mass, radius: grain.radius }.of_shape(facts))
+    });
     for (number, body) in start.chain(to_come(loaded)).chain(fed(loaded)) {
         match species.iter_mut().find(|entry| entry.0 == number) {
             None => species.push((number, body, None)),
@@ -257,7 +270,8 @@ fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some(law) = loaded.scene.mass else { return Vec::new() };
     let of_feed = |feed: &Feed| {
         let law = feed.mass.unwrap_or(law);
-        let two = |species: u8, radius: f64| [(species, Body { mass: law.of(radius), radius }); 2];
+        let facts = feed.shaped.as_ref().map(|shaped| &shaped.facts);
+        let two = |species: u8, radius: f64| [(species, Body { mass: law.of(radius), radius }.of_shape(facts)); 2];
         match &feed.radius {
             RadiusLaw::Mixture(sizes) => {
                 let sizes = (feed.species..=u8::MAX).zip(sizes).filter(|(_, (_, share))| share.get() > 0.0);
@@ -272,7 +286,8 @@ fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
 /// Grains that the spawner will release: two of each size, or the radii that it will draw from a range.
 fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some((spawner, law)) = loaded.scene.spawner.as_ref().zip(loaded.scene.mass) else { return Vec::new() };
-    let body = |radius: f64| Body { mass: law.of(radius), radius };
+    let facts = spawner.shaped.as_ref().map(|shaped| &shaped.facts);
+    let body = |radius: f64| Body { mass: law.of(radius), radius }.of_shape(facts);
     let two = |count: u32, species: u8, radius: f64| (0..count.min(2)).map(move |_| (species, body(radius)));
     match &spawner.radius {
         RadiusLaw::Fixed(radius) => two(spawner.count, 0, radius.get()).collect(),
@@ -343,7 +358,16 @@ mod tests {
     fn grain(id: u32, species: u8, radius: f64, mass: f64) -> GrainRow {
         let position = Solid::X * f64::from(id);
         let id = GrainId::grain(id).unwrap();
-        GrainRow { id, radius, mass, position, velocity: Solid::ZERO, spin: Solid::ZERO, species: Species(species) }
+        GrainRow {
+            id,
+            radius,
+            mass,
+            position,
+            velocity: Solid::ZERO,
+            spin: Solid::ZERO,
+            posture: None,
+            species: Species(species),
+        }
     }
 
     #[test]

@@ -56,7 +56,7 @@ fn examine_in<V: Space>(loaded: &Loaded, estimates: Option<&Estimates>, budget: 
     let grains = budget.share(0.5, || {
         let examined = grains.map_while(|body| Some((body, distances_within(&surfaces, body, budget)?)));
         let examined: Vec<_> = examined.collect();
-        let all = loaded.grains.len();
+        let all = bodies.iter().filter(|body| body.grain.is_some()).count();
         if examined.len() < all {
             budget.give_up(format!("grains in walls at the start, after {} of {all} grains", examined.len()));
         }
@@ -90,11 +90,13 @@ fn bodies(loaded: &Loaded) -> Vec<Body> {
     let own = loaded.scene.walls.iter().filter_map(Wall::wall_grain);
     let own = own.map(|grain| disc(grain.centre.padded(), grain.radius, grain.species.0));
     let fixed = loaded.fixed.iter().map(|grain| disc(grain.position, grain.radius, grain.species.0));
-    let grains = loaded.grains.iter().map(|grain| Body {
-        centre: grain.position,
-        radius: grain.radius,
-        species: grain.species.0,
-        grain: Some((grain.mass, grain.id.number())),
+    let grains = loaded.grains.iter().flat_map(|grain| {
+        loaded.spheres_of(grain).into_iter().map(|(centre, radius)| Body {
+            centre,
+            radius,
+            species: grain.species.0,
+            grain: Some((grain.mass, grain.id.number())),
+        })
     });
     silo.chain(own).chain(fixed).chain(grains).collect()
 }
@@ -147,7 +149,10 @@ fn touching<'a>(
                     break;
                 }
                 let distance = body.centre.distance(bodies[other].centre);
-                if distance < body.radius + bodies[other].radius {
+                // Spheres of one grain do not touch each other.
+                let is_one =
+                    body.grain.is_some() && body.grain.map(|(_, id)| id) == bodies[other].grain.map(|(_, id)| id);
+                if distance < body.radius + bodies[other].radius && !is_one {
                     visit(&bodies[other], body, distance);
                 }
             }

@@ -64,7 +64,8 @@ fn resolve_all<V: Space>(loaded: &Loaded, rows: Vec<Remembered>) -> (Vec<Remembe
 struct Partners<'a, V: Space> {
     periodic: Option<Periodic<V>>,
     range: f64,
-    grains: FxHashMap<u32, &'a GrainRow>,
+    /// Grains by id, and by the number of a sphere in the shape of a grain: such a grain stands for the sphere.
+    grains: FxHashMap<(u32, Option<u16>), GrainRow>,
     /// Centre and radius of each wall grain, m, in the order of their numbers.
     wall_grains: Vec<(V, f64)>,
     surfaces: Surfaces<V>,
@@ -82,7 +83,7 @@ impl<'a, V: Space> Partners<'a, V> {
         Self {
             periodic,
             range: loaded.adhesive_range(),
-            grains: loaded.grains.iter().map(|grain| (grain.id.number(), grain)).collect(),
+            grains: loaded.grains.iter().flat_map(|grain| spheres_of(loaded, grain)).collect(),
             wall_grains: wall_grains.collect(),
             surfaces: Surfaces::new(loaded.surfaces(), largest),
             names: loaded.wall_names(),
@@ -96,12 +97,12 @@ impl<'a, V: Space> Partners<'a, V> {
     fn resolve(&self, row: Remembered) -> Result<Remembered, Stray> {
         let number = row.number;
         let stray = |is_wall, reason| Stray { reason, is_wall };
-        let Some(&grain) = self.grains.get(&row.grain) else {
-            return Err(stray(false, format!("there is no grain {}", row.grain)));
+        let Some(grain) = self.grains.get(&(row.grain, row.spheres[0])) else {
+            return Err(stray(false, format!("there is no {}", name(row.grain, row.spheres[0]))));
         };
         match row.with {
-            PartnerKind::Grain => match self.grains.get(&number) {
-                None => Err(stray(false, format!("there is no grain {number}"))),
+            PartnerKind::Grain => match self.grains.get(&(number, row.spheres[1])) {
+                None => Err(stray(false, format!("there is no {}", name(number, row.spheres[1])))),
                 Some(_) if number == row.grain => Err(stray(false, format!("grain {number} does not touch itself"))),
                 Some(other) if self.touch(grain, self.place(other), other.radius) => Ok(row),
                 Some(_) => Err(stray(false, format!("grains {} and {number} do not touch", row.grain))),
@@ -216,6 +217,23 @@ impl<'a, V: Space> Partners<'a, V> {
         };
         candidates.min_by(|(a, _), (b, _)| ordered(a, b)).map(|(_, index)| index)
     }
+}
+
+/// Returns the grain by its id; a shaped grain as its spheres, by id and number.
+fn spheres_of(loaded: &Loaded, grain: &GrainRow) -> Vec<((u32, Option<u16>), GrainRow)> {
+    let id = grain.id.number();
+    if grain.posture.is_none() {
+        return vec![((id, None), *grain)];
+    }
+    let spheres = (0..).zip(loaded.spheres_of(grain));
+    let sphere =
+        |(number, (position, radius))| ((id, Some(number)), GrainRow { position, radius, posture: None, ..*grain });
+    spheres.map(sphere).collect()
+}
+
+/// The name of a grain, or of a sphere of it.
+fn name(grain: u32, sphere: Option<u16>) -> String {
+    sphere.map_or_else(|| format!("grain {grain}"), |number| format!("sphere {number} of grain {grain}"))
 }
 
 fn one_based(index: usize) -> u32 {

@@ -42,8 +42,9 @@ impl Loaded {
     fn random_fill<V: Space>(&self, fill: &Fill, number: usize) -> Result<Vec<GrainRow>, Fault> {
         let Scene { space, mass, seed, periodic, .. } = &self.scene;
         let (_, largest) = fill.radius.range();
+        let largest = fill.reach(largest);
         let mut occupied = Occupied::new(largest, periodic);
-        self.grains.iter().for_each(|grain| occupied.add(grain.position, grain.radius));
+        self.grains.iter().for_each(|grain| occupied.add(grain.position, grain.reach()));
         self.fixed.iter().for_each(|grain| occupied.add(grain.position, grain.radius));
         self.silo
             .wall

@@ -163,7 +163,7 @@ pub(super) fn feed(loaded: &Loaded) -> Result<(), Fault> {
             ("scene::empty_box", ".region", "the lower corner must not be above the upper one along any axis", help)
         } else if !(1..=MOST_TRIES).contains(&feed.tries) {
             ("scene::out_of_range", ".tries", "expected 1 to 10000 tries", "the default is 100")
-        } else if feed.spin.is_some() && !scene.contact.spins() {
+        } else if feed.spin.is_some() && !loaded.grains_spin() {
             let message = "the grains of this scene do not spin";
             ("scene::no_spin", ".spin", message, "add `tangential` to the contact law, or remove `spin`")
         } else if count.is_none() && (scene.rest.is_some() || loaded.source.value_of("rest").is_some()) {

@@ -149,7 +149,9 @@ fn flow(loaded: &Loaded) -> Result<(), Fault> {
 fn periodic(loaded: &Loaded) -> Result<(), Fault> {
     for (name, side) in ["x", "y", "z"].into_iter().zip(loaded.scene.periodic.axes()) {
         let Some((low, high)) = side else { continue };
-        let needed = 2.0 * loaded.contact_range();
+        // A grain must not touch its own image, nor another grain twice.
+        let reach = loaded.largest_reach();
+        let needed = 2.0 * loaded.contact_range().max(if loaded.shapes.is_empty() { 0.0 } else { 2.0 * reach });
         let length = high - low;
         if !(length.is_finite() && length > needed) {
             let message = format!(

@@ -2,6 +2,7 @@
 
 use crate::door::DoorMotion;
 use crate::grains::region::Region;
+use crate::grains::shaped::OrientationLaw;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Dimension;
@@ -68,6 +69,18 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
     }
 }
 
+/// The directions of shaped grains, with their keys.
+fn orientations(scene: &Scene) -> Vec<(String, FiniteVector)> {
+    let fills = scene.fill.iter().enumerate().map(|(index, fill)| (format!("fill[{index}]"), fill.orientation));
+    let feeds = scene.feed.iter().enumerate().map(|(index, feed)| (format!("feed[{index}]"), feed.orientation));
+    let spawner = scene.spawner.iter().map(|spawner| ("spawner".to_owned(), spawner.orientation));
+    let direction = |(key, law): (String, Option<OrientationLaw>)| match law? {
+        OrientationLaw::Along(direction) => Some((format!("{key}.orientation"), direction)),
+        OrientationLaw::Random => None,
+    };
+    fills.chain(feeds).chain(spawner).filter_map(direction).collect()
+}
+
 /// All vectors of a scene that must match its space, with their keys.
 fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
     let of_walls = scene.walls.iter().enumerate().flat_map(|(index, wall)| {
@@ -115,6 +128,14 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
         if let DoorMotion::Move { by, .. } = control.how {
             add(key, &[(".how.by", Some(by))]);
         }
+    }
+    for (name, shape) in &scene.shapes {
+        for (key, vector) in shape.vectors() {
+            add(format!("shapes.{name}"), &[(&key, Some(vector))]);
+        }
+    }
+    for (key, direction) in orientations(scene) {
+        add(key, &[("", Some(direction))]);
     }
     for (index, fill) in scene.fill.iter().enumerate() {
         let corners = [("low", Some(fill.low)), ("high", Some(fill.high))];

@@ -31,7 +31,7 @@ macro_rules! scene {
 }
 
 /// All shipped scenes: silos first, then cases of verification.
-pub const SCENES: [Shipped; 23] = [
+pub const SCENES: [Shipped; 24] = [
     scene!("silo1", "a silo with an insert, 1000 discs: fill, rest, door opens, empty", "../assets/silo1.dat"),
     scene!("silo1-mixture", "the same silo, half of the grains with radius 4 cm, half 3 cm", "../assets/silo1.dat"),
     scene!("silo1-polydisperse", "the same silo, radii from 3 to 5 cm", "../assets/silo1.dat"),
@@ -46,6 +46,7 @@ pub const SCENES: [Shipped; 23] = [
     scene!("silo3d", "10,000 frictional spheres in a wedge hopper with a slot"),
     scene!("round-silo", "3000 frictional spheres in a cylinder with a cone and a circular outlet"),
     scene!("fed-hopper", "a round hopper of parametric dimensions, fed at a rate, then discharged"),
+    scene!("rice-silo", "150 grains of rice, rigid bodies of five spheres, in a round silo"),
     scene!("drum", "300 frictional spheres in a rotating drum with lifters"),
     scene!("bed3d", "a periodic bed of 10,000 frictional spheres"),
     scene!("chute3d", "spheres flow down a rough incline, periodic sides"),

@@ -40,8 +40,16 @@ pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f6
             let position = (answer.start.x[i] + offset(width, copy)).extend(0.0);
             let velocity = answer.start.v[i].extend(0.0);
             let spin = Solid::Z * answer.start.w[i];
-            let row =
-                GrainRow { id, radius: disc.radius, mass: disc.mass, position, velocity, spin, species: Species(0) };
+            let row = GrainRow {
+                id,
+                radius: disc.radius,
+                mass: disc.mass,
+                position,
+                velocity,
+                spin,
+                posture: None,
+                species: Species(0),
+            };
             loaded.grains.push(row);
         }
     }

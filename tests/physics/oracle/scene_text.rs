@@ -110,7 +110,16 @@ impl Scene {
             let species = Species(body.species as u8);
             if !body.is_fixed {
                 let id = GrainId::grain(number).unwrap();
-                loaded.grains.push(GrainRow { id, radius, mass, position, velocity, spin: vector(body.spin), species });
+                loaded.grains.push(GrainRow {
+                    id,
+                    radius,
+                    mass,
+                    position,
+                    velocity,
+                    spin: vector(body.spin),
+                    posture: None,
+                    species,
+                });
             } else if body.velocity != V::default() {
                 loaded.fixed.push(FixedGrain { position, radius, velocity, species });
             }

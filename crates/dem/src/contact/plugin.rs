@@ -71,7 +71,7 @@ fn contact_forces<V: Space>(
         gravity: gravity.0,
         instructions: *instructions,
     };
-    let has_torques = needs.torques != TorqueClass::None;
+    let has_torques = needs.torques != TorqueClass::None || !store.bodies.is_empty();
     store.stale.add(if has_torques { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
     let kept = KeptScratches { scratches: &mut scratches.0, history_unchanged: !history.is_changed() };
     let history = history.bypass_change_detection();

@@ -2,6 +2,7 @@
 
 mod euler;
 mod recorded_velocity;
+pub mod rigid;
 pub mod rotation;
 mod verlet;
 pub mod wrap;

@@ -1,14 +1,15 @@
 //! Rotation of grains: integrates spins from torques, in scenes with friction.
 //!
 //! The spin w follows velocity Verlet like the velocity: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and
-//! half-step velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not integrated, because a sphere
-//! is symmetric.
+//! half-step velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations of spheres are not integrated, because a sphere
+//! is symmetric; [`rigid`](super::rigid) has those of bodies.
 
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use crate::bodies::Shape;
 use crate::integrate::recorded_velocity::{InTheMiddle, Predicted, RecordedVelocity};
 use crate::particle::{Grain, Mass, Radius};
 use crate::persist::PersistApp as _;
@@ -24,15 +25,18 @@ use crate::store::{
 fn add_rotation_components<V: Space>(
     added: On<Add<Grain>>,
     store: Res<ParticleStore<V>>,
-    grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Inertia>)>,
+    grains: Query<(&Mass, &Radius, Option<&Shape>, Has<Spin<V::Spin>>, Has<Inertia>)>,
     mut commands: Commands,
 ) {
-    let Ok((mass, radius, spins, has_inertia)) = grains.get(added.entity) else { return };
+    let Ok((mass, radius, shape, spins, has_inertia)) = grains.get(added.entity) else { return };
     if spins && has_inertia {
         return;
     }
     let Some(law) = store.inertia else { return };
-    let (spin, inertia) = law.turning::<V>(mass.0, radius.0, V::Spin::ZERO);
+    let (spin, mut inertia) = law.turning::<V>(mass.0, radius.0, V::Spin::ZERO);
+    if let Some(shape) = shape.and_then(|shape| store.bodies.shapes.get(shape.index())) {
+        inertia = Inertia(shape.mean_inertia(mass.0, radius.0));
+    }
     let mut grain = commands.entity(added.entity);
     grain.insert(inertia);
     if !spins {
@@ -94,11 +98,12 @@ fn kick_by<
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
-    let end = store.integrated_rows().end;
+    // Bodies of several spheres turn about principal axes of their own (`rigid`).
+    let rows = store.bodies.free..store.integrated_rows().end;
     let ParticleStore { loads, rotation, .. } = store;
     let sums = chunked.in_chunks(
-        &loads.torque.entries::<NUMBERS>()[..end],
-        (&mut rotation[..end], &mut apart[..end]),
+        &loads.torque.entries::<NUMBERS>()[rows.clone()],
+        (&mut rotation[rows.clone()], &mut apart[rows]),
         #[inline(always)]
         |torque, (rotation, apart), sum: &mut V::Spin| {
             let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
@@ -117,7 +122,7 @@ fn kick_by<
 }
 
 /// Makes the first kick before the drift, together with the second kick of the previous step if that is pending.
-fn first_kick<V: Space>(
+pub(super) fn first_kick<V: Space>(
     clock: Res<Clock>,
     chunked: ChunkedPass,
     second: Res<PendingKick>,
@@ -132,7 +137,7 @@ fn first_kick<V: Space>(
 }
 
 /// Makes the second kick, after the forces.
-fn second_kick<V: Space>(clock: Res<Clock>, chunked: ChunkedPass, mut store: ResMut<ParticleStore<V>>) {
+pub(super) fn second_kick<V: Space>(clock: Res<Clock>, chunked: ChunkedPass, mut store: ResMut<ParticleStore<V>>) {
     kick_spins::<V, true, false>(clock.dt, &chunked, &mut store);
     store.stale.add(MirrorSet::SPIN.and(MirrorSet::FREE));
 }

@@ -95,6 +95,7 @@ fn drift_all<V: Space, H: RecordedVelocity<Body<V>, V>, W: Swept>(
         (false, false) => drift_by::<V, H, W, TOTAL, false>(recorded, kept, dt, chunked, store),
     };
     store.travel += longest;
+    store.bodies.drifted = longest;
     longest
 }
 

@@ -10,6 +10,7 @@ impl<V: Space> ParticleStore<V> {
         // with memory it takes fewer pairs.
         let reach = self.body[i].radius + self.body[j].radius + (self.prediction.margin + self.prediction.range);
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
+            && self.can_touch(i, j)
     }
 }
 
@@ -19,7 +20,7 @@ impl<V: Space> ParticleStore<V> {
 /// apart. The side must therefore not be smaller than this distance. For grains alone it is twice the largest radius.
 pub(super) fn contact_range<V: Space>(store: &ParticleStore<V>) -> f64 {
     let largest = |fixed: bool| {
-        let of_kind = (0..store.len()).filter(|&i| store.is_fixed(i) == fixed);
+        let of_kind = store.contact_rows().filter(|&i| store.is_fixed(i) == fixed);
         of_kind.map(|i| store.body[i].radius).fold(0.0, f64::max)
     };
     let free = largest(false);

@@ -9,6 +9,7 @@
 //! space. Units are SI. Numbers are in double precision, because the overlaps that carry a bed are 1e-4 of its size.
 
 mod plane;
+mod rotor;
 mod solid;
 
 use std::fmt::Debug;
@@ -17,6 +18,8 @@ use std::ops::{Add, AddAssign, Div, IndexMut, Mul, Neg, Sub, SubAssign};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+
+pub use self::rotor::{Quaternion, Rotor};
 
 /// The plane: (x, y), y is up.
 pub type Plane = glam::DVec2;
@@ -137,6 +140,10 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
     const DIMENSION: Dimension;
     /// The type of angular velocities and torques.
     type Spin: Linear;
+    /// The type of orientations.
+    type Rotor: Rotor<Self>;
+    /// Principal moments of inertia, or their inverses.
+    type Principal: Linear;
     /// A row of grid cells along x: the cell numbers along the other axes.
     type Row: Copy + Debug + PartialEq + Send + Sync + 'static;
 

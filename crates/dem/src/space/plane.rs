@@ -48,6 +48,8 @@ impl Space for Plane {
     }
 
     type Spin = f64;
+    type Rotor = Self;
+    type Principal = f64;
     type Row = [i32; 1];
 
     fn narrow(padded: Solid) -> Self {

@@ -1,6 +1,6 @@
 //! Solid space: vectors and spins of three components.
 
-use crate::space::{Dimension, Linear, Plane, Solid, Space, mix};
+use crate::space::{Dimension, Linear, Plane, Quaternion, Solid, Space, mix};
 
 impl Linear for Solid {
     const ZERO: Self = Self::ZERO;
@@ -48,6 +48,8 @@ impl Space for Solid {
     }
 
     type Spin = Self;
+    type Rotor = Quaternion;
+    type Principal = Self;
     type Row = [i32; 2];
 
     fn narrow(padded: Solid) -> Self {

@@ -110,6 +110,15 @@ impl<T: Linear> Accumulator<T> {
         }
     }
 
+    /// Sets all numbers of entry `i`, if the entry exists and has this length.
+    #[inline]
+    pub(crate) fn set_entry<const NUMBERS: usize>(&mut self, i: usize, numbers: [T; NUMBERS]) {
+        debug_assert_eq!(NUMBERS, self.per_entry, "the length of entries");
+        if let Some(entry) = self.numbers.as_chunks_mut().0.get_mut(i) {
+            *entry = numbers;
+        }
+    }
+
     /// Returns all entries as arrays of `NUMBERS` numbers. Empty if the entries have another length.
     #[inline]
     #[must_use]

@@ -65,7 +65,8 @@ fn problem<V: Space>(world: &mut World) -> Option<&'static str> {
             _ => return Some("a particle has no row"),
         }
     }
-    (rows + store.vacated.len() != store.len()).then_some("a row has no particle")
+    let spheres = (0..store.len()).filter(|&i| !store.is_whole(i) && store.is_present(i)).count();
+    (rows + spheres + store.vacated.len() != store.len()).then_some("a row has no particle")
 }
 
 /// Returns a fault of the rows by themselves, in words.

@@ -7,6 +7,7 @@ use bevy_ecs::schedule::graph::Direction;
 use bevy_ecs::schedule::{InternedSystemSet, NodeId, ScheduleGraph, SystemKey, SystemSetKey};
 use bevy_ecs::system::SystemAccess;
 
+use crate::bodies::Orientation;
 use crate::particle::{Fixed, Force, Position, Velocity};
 use crate::space::Space;
 use crate::spin::{Spin, Torque};
@@ -142,6 +143,7 @@ impl AccessReader {
             (MirrorSet::FORCE, world.register_component::<Force<V>>()),
             (MirrorSet::SPIN, world.register_component::<Spin<V::Spin>>()),
             (MirrorSet::TORQUE, world.register_component::<Torque<V::Spin>>()),
+            (MirrorSet::ORIENTATION, world.register_component::<Orientation<V>>()),
         ];
         let probe = |kind: MirrorSet, component: ComponentId, among: MirrorSet| {
             let mut writes = FilteredAccess::matches_everything();

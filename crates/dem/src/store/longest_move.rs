@@ -44,6 +44,9 @@ impl<V: Space> ParticleStore<V> {
             self.body[i].position = periodic.wrapped(x);
             self.stale.add(MirrorSet::POSITION);
         }
+        if let Some(body) = self.body_of_row(i) {
+            self.place_spheres(body, longest);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Mirrored components: copies a component from the store (refresh), and a value that a system wrote to the store
 //! (write-back).
 //!
-//! [`Position`], [`Velocity`], [`Force`], [`Spin`] and [`Torque`] of a particle are copies of numbers in the store. A
+//! [`Position`], [`Velocity`], [`Force`], [`Spin`], [`Torque`] and [`Orientation`] of a particle are copies of numbers in the store. A
 //! copy is *stale* if the store has changed since ([`ParticleStore::stale`]). [`Force`] and [`Torque`] exist only from the first use on
 //! (`store/load_components.rs`).
 
@@ -11,6 +11,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use bevy_ecs::system::SystemParam;
 
+use crate::bodies::Orientation;
 use crate::particle::{DENSE, Fixed, Force, Position, Slot, Velocity};
 use crate::space::{Linear, Space};
 use crate::spin::{Spin, Torque};
@@ -98,6 +99,19 @@ impl<V: Space> Mirror<V> for Torque<V::Spin> {
     }
 }
 
+impl<V: Space> Mirror<V> for Orientation<V> {
+    const KIND: MirrorSet = MirrorSet::ORIENTATION;
+
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+        let body = store.body_of_row(i).filter(|_| i < store.len())?;
+        Some(Self(store.bodies.rotor[body.index()]))
+    }
+
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove) {
+        store.set_orientation(i, self.0, longest);
+    }
+}
+
 /// A mirrored component of free and of fixed particles.
 #[derive(SystemParam)]
 struct RefreshQueries<'w, 's, C: Component<Mutability = Mutable>> {
@@ -114,6 +128,7 @@ pub(super) struct Refresh<'w, 's, V: Space> {
     forces: RefreshQueries<'w, 's, Force<V>>,
     spins: RefreshQueries<'w, 's, Spin<<V as Space>::Spin>>,
     torques: RefreshQueries<'w, 's, Torque<<V as Space>::Spin>>,
+    orientations: RefreshQueries<'w, 's, Orientation<V>>,
 }
 
 impl<V: Space> Refresh<'_, '_, V> {
@@ -128,6 +143,7 @@ impl<V: Space> Refresh<'_, '_, V> {
         refresh_component(store, due, &mut self.forces);
         refresh_component(store, due, &mut self.spins);
         refresh_component(store, due, &mut self.torques);
+        refresh_component(store, due, &mut self.orientations);
     }
 }
 
@@ -170,6 +186,7 @@ pub(super) struct WriteBack<'w, 's, V: Space> {
     forces: WrittenQuery<'w, 's, Force<V>>,
     spins: WrittenQuery<'w, 's, Spin<<V as Space>::Spin>>,
     torques: WrittenQuery<'w, 's, Torque<<V as Space>::Spin>>,
+    orientations: WrittenQuery<'w, 's, Orientation<V>>,
 }
 
 impl<V: Space> WriteBack<'_, '_, V> {
@@ -182,6 +199,7 @@ impl<V: Space> WriteBack<'_, '_, V> {
         write_back_component(store, written, since, &self.forces, &mut longest);
         write_back_component(store, written, since, &self.spins, &mut longest);
         write_back_component(store, written, since, &self.torques, &mut longest);
+        write_back_component(store, written, since, &self.orientations, &mut longest);
         store.travel += longest.length();
         // A write that bypassed change detection was not written back, so the component may differ from the store.
         store.stale.add(written);

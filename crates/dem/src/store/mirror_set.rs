@@ -1,12 +1,13 @@
 //! Sets of mirrored components: [`Position`](crate::particle::Position), [`Velocity`](crate::particle::Velocity),
-//! [`Force`](crate::particle::Force), [`Spin`](crate::spin::Spin) and [`Torque`](crate::spin::Torque).
+//! [`Force`](crate::particle::Force), [`Spin`](crate::spin::Spin), [`Torque`](crate::spin::Torque) and
+//! [`Orientation`](crate::bodies::Orientation).
 
 /// A set of mirrored components, kept separately for free and fixed particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MirrorSet(u16);
 
 /// Number of mirrored components.
-const KINDS: u16 = 5;
+const KINDS: u16 = 6;
 
 impl MirrorSet {
     pub(crate) const NONE: Self = Self(0);
@@ -15,6 +16,7 @@ impl MirrorSet {
     pub(crate) const FORCE: Self = Self::free_and_fixed(2);
     pub(crate) const SPIN: Self = Self::free_and_fixed(3);
     pub(crate) const TORQUE: Self = Self::free_and_fixed(4);
+    pub(crate) const ORIENTATION: Self = Self::free_and_fixed(5);
     pub(crate) const ALL: Self = Self((1 << (2 * KINDS)) - 1);
     /// All components of free particles.
     pub(crate) const FREE: Self = Self((1 << KINDS) - 1);

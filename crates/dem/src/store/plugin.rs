@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use crate::bodies::{Orientation, Shape};
 use crate::gravity::Gravity;
 use crate::instruction_set::InstructionSet;
 use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
@@ -37,6 +38,8 @@ impl<V: Space> Plugin for StorePlugin<V> {
             .persist_sound_component::<Force<V>>()
             .persist_sound_component::<Radius>()
             .persist_sound_component::<Mass>()
+            .persist_component::<Shape>()
+            .persist_sound_component::<Orientation<V>>()
             .persist_component::<Species>()
             .persist_component::<Grain>()
             .persist_component::<Fixed>()

@@ -13,6 +13,7 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
+use crate::bodies::Orientation;
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::space::{Linear, Space};
 use crate::spin::{Inertia, Spin, Torque};
@@ -123,10 +124,13 @@ impl<V: Space> ParticleStore<V> {
         (self.entity.get(slot.index()) == Some(&entity)).then_some(slot.index())
     }
 
-    /// Removes the entity from a row.
+    /// Removes the entity from a row, and from the rows of its spheres.
     fn vacate(&mut self, row: usize) {
-        self.entity[row] = Entity::PLACEHOLDER;
-        self.vacated.push(row);
+        let spheres = self.body_of_row(row).map_or(&[][..], |body| self.bodies.rows_of(body));
+        for row in spheres.iter().map(|&sphere| sphere as usize).chain([row]) {
+            self.entity[row] = Entity::PLACEHOLDER;
+            self.vacated.push(row);
+        }
     }
 
     /// Whether the particle of row `i` still exists. A particle that left keeps its row until the next renumbering.
@@ -157,13 +161,19 @@ impl<V: Space> ParticleStore<V> {
     /// The spin change by the pending kick, rad/s.
     fn pending_spin_gain(&self, row: usize, torque: V::Spin, KickPending(is_pending): KickPending) -> V::Spin {
         let time = if is_pending { self.half_step } else { 0.0 };
-        torque * (time * self.rotation[row].inverse_inertia)
+        self.spin_gain(row, torque * time)
     }
 
     fn write_velocity(&mut self, row: usize, Velocity(v): Velocity<V>, pending: KickPending) {
         let before_kick = v - self.pending_kick_gain(row, self.loads.force.of(row), pending);
         self.set_velocity(row, before_kick, pending.0);
         self.is_suspect |= !v.is_finite();
+    }
+
+    fn write_orientation(&mut self, row: usize, Orientation(rotor): Orientation<V>, _: KickPending) {
+        let mut longest = LongestMove::default();
+        self.set_orientation(row, rotor, &mut longest);
+        self.travel += longest.length();
     }
 
     fn write_force(&mut self, row: usize, Force(force): Force<V>, pending: KickPending) {
@@ -207,6 +217,9 @@ pub(super) fn add<V: Space>(world: &mut World) {
     world.register_component_hooks::<Mass>().on_insert(on_alter).on_remove(on_alter);
     world.register_component_hooks::<Species>().on_insert(on_alter).on_remove(on_alter);
     world.register_component_hooks::<Inertia>().on_insert(on_alter);
+    world
+        .register_component_hooks::<Orientation<V>>()
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_orientation));
     world.register_component_hooks::<Fixed>().on_insert(on_fix_or_free::<V>).on_remove(on_fix_or_free::<V>);
     world
         .register_component_hooks::<Position<V>>()

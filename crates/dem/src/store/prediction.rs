@@ -4,8 +4,9 @@
 //! the end of the step. The kick needs the velocities in the middle of the step, so they are kept too. In the plane they
 //! fill up the cache line of the body; in solid space, whose bodies fill one without them, they are stored apart.
 
-use crate::space::{Plane, Space};
+use crate::space::{Plane, Rotor, Space};
 use crate::store::ParticleStore;
+use crate::store::longest_move::LongestMove;
 
 /// The state of the prediction. It is empty for other schemes.
 #[derive(Clone, Debug)]
@@ -88,7 +89,7 @@ impl<V: Space> ParticleStore<V> {
 
     /// Whether the velocity of particle `i` is a predicted one now. Fixed particles gain no velocity.
     #[inline]
-    fn is_ahead(&self, i: usize) -> bool {
+    pub(super) fn is_ahead(&self, i: usize) -> bool {
         self.prediction.is_ahead && !self.is_fixed(i)
     }
 
@@ -121,6 +122,7 @@ impl<V: Space> ParticleStore<V> {
         self.body[i].velocity = velocity;
         // Without prediction this time is zero, and so are the margins.
         self.widen_margins(i, 2.0 * self.prediction.velocities_ahead * self.middle_velocity(i).length());
+        self.move_spheres_of(i);
     }
 
     /// Sets the margins from the velocities of particles from slot `first` on, for a step of `dt`, s. `longest` is the longest
@@ -129,18 +131,24 @@ impl<V: Space> ParticleStore<V> {
         // NaN counts as no move: the finite-value check reports it at the end of the step.
         self.prediction.margin = 0f64.max(longest * ROUNDING);
         self.prediction.swept.iter_mut().skip(first).for_each(|swept| *swept = 0.0);
+        // The drift is followed by the scatter of spheres of bodies, which widens the margins by their moves.
         for i in first..self.body.len() {
             self.widen_margins(i, dt * self.body[i].velocity.length());
         }
     }
 
     /// Widens the margins if they do not allow for a move of particle `i` by `moved`, m, in a whole step.
-    fn widen_margins(&mut self, i: usize, moved: f64) {
-        let Prediction { swept, margin, range, .. } = &mut self.prediction;
-        *margin = margin.max(moved * ROUNDING);
+    pub(super) fn widen_margins(&mut self, i: usize, moved: f64) {
+        self.widen_margin(moved);
+        let Prediction { swept, range, .. } = &mut self.prediction;
         if let Some(swept) = swept.get_mut(i) {
             *swept = swept.max(swept_radius(self.body[i].radius, moved, *range));
         }
+    }
+
+    /// Widens the margin of all pairs if it does not allow for a move by `moved`, m, in a whole step.
+    pub(super) fn widen_margin(&mut self, moved: f64) {
+        self.prediction.margin = self.prediction.margin.max(moved * ROUNDING);
     }
 
     /// Like [`Self::set_velocity`], for the spin, rad/s.
@@ -149,7 +157,25 @@ impl<V: Space> ParticleStore<V> {
             let shifted = self.prediction.middle_spin[i] + (spin - self.rotation[i].spin);
             self.prediction.middle_spin[i] = if is_pending { spin } else { shifted };
         }
+        if let Some(body) = self.body_of_row(i) {
+            let rotor = self.bodies.rotor[body.index()];
+            let inverse_inertia = self.bodies.inverse_inertia[body.index()];
+            let momentum = if self.is_ahead(i) && !is_pending {
+                self.bodies.momentum[body.index()] + rotor.momentum(spin - self.rotation[i].spin, inverse_inertia)
+            } else {
+                rotor.momentum(spin, inverse_inertia)
+            };
+            self.bodies.momentum[body.index()] = momentum;
+        }
         self.rotation[i].spin = spin;
+        self.move_spheres_of(i);
+    }
+
+    /// Gives the spheres of the body in row `i` its motion, if it is a body.
+    fn move_spheres_of(&mut self, i: usize) {
+        if let Some(body) = self.body_of_row(i) {
+            self.place_spheres(body, &mut LongestMove::default());
+        }
     }
 }
 

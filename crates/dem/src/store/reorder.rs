@@ -8,9 +8,11 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use rustc_hash::FxHashMap;
 
+use crate::bodies::{Orientation, RigidShape, Shape, ShapeSphere};
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
-use crate::space::Space;
+use crate::space::{Rotor, Space};
 use crate::spin::{Inertia, Spin, Torque};
+use crate::store::bodies::{BodyColumns, BodySlot, Layout, NO_SPHERE};
 use crate::store::spatial_sort::{Place, SpatialOrder};
 use crate::store::{Body, ParticleStore, Rotation};
 
@@ -25,6 +27,7 @@ pub(crate) struct EntityRow<V: Space> {
     radius: &'static Radius,
     mass: Option<&'static Mass>,
     species: Option<&'static Species>,
+    shape: Option<(&'static Shape, &'static Orientation<V>)>,
     is_marked_fixed: Has<Fixed>,
     turning: Option<(&'static Spin<V::Spin>, &'static Inertia)>,
     torque: Option<&'static Torque<V::Spin>>,
@@ -61,11 +64,23 @@ impl Properties {
     }
 }
 
-/// An entering entity, with the data that determine its slot.
+/// What a row is. Rows are in this order.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    FreeBody,
+    FreeGrain,
+    FreeSphere,
+    FixedSphere,
+    FixedBody,
+}
+
+/// An entering particle, or a sphere of an entering body, with the data that determine its slot.
 struct Entering<V: Space> {
     entity: Entity,
     id: GrainId,
-    is_fixed: bool,
+    kind: Kind,
+    /// Number in the shape of a body, or [`NO_SPHERE`].
+    number: u16,
     /// Radius, m.
     radius: f64,
     /// Centre, m.
@@ -73,19 +88,47 @@ struct Entering<V: Space> {
 }
 
 impl<V: Space> Entering<V> {
-    fn of(row: &EntityRowItem<'_, '_, V>) -> Self {
-        let Properties { id, radius, .. } = Properties::of(row);
-        let is_fixed = Properties::of(row).is_fixed();
-        Self { entity: row.entity, id, is_fixed, radius, position: row.position.0 }
+    /// Adds the particle of `row` to `entering`; a body with its spheres, by the shapes of the scene.
+    fn push(row: &EntityRowItem<'_, '_, V>, shapes: &[RigidShape<V>], entering: &mut Vec<Self>) {
+        let properties = Properties::of(row);
+        let Properties { id, radius, .. } = properties;
+        let entity = row.entity;
+        let position = row.position.0;
+        let shaped = row.shape.and_then(|(shape, rotor)| Some((shapes.get(shape.index())?, rotor.0)));
+        let Some((shape, rotor)) = shaped else {
+            let kind = if properties.is_fixed() { Kind::FixedSphere } else { Kind::FreeGrain };
+            entering.push(Self { entity, id, kind, number: NO_SPHERE, radius, position });
+            return;
+        };
+        let [body, sphere] = Kind::of_body(properties.is_fixed());
+        entering.push(Self { entity, id, kind: body, number: NO_SPHERE, radius, position });
+        let scale = shape.scale(radius);
+        entering.extend((0..).zip(&shape.spheres).map(|(number, ShapeSphere { at, radius })| Self {
+            entity,
+            id,
+            kind: sphere,
+            number,
+            radius: radius * scale,
+            position: position + rotor.turn(*at * scale),
+        }));
     }
 }
 
-/// Sort key of a particle. Slots are in the order of these keys, which compare field by field.
+impl Kind {
+    /// Returns the kinds of a body and of its spheres.
+    fn of_body(is_fixed: bool) -> [Self; 2] {
+        if is_fixed { [Self::FixedBody, Self::FixedSphere] } else { [Self::FreeBody, Self::FreeSphere] }
+    }
+}
+
+/// Sort key of a row. Slots are in the order of these keys, which compare field by field.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SlotKey {
-    is_fixed: bool,
+    kind: Kind,
     place: Place,
     id: GrainId,
+    /// Number in the shape of a body, or [`NO_SPHERE`].
+    number: u16,
 }
 
 /// A particle that gets a slot.
@@ -110,18 +153,35 @@ impl<V: Space> ParticleStore<V> {
         let rows = self.len();
         self.order = self.next_order(&entering, &altered);
         let takers = self.takers(&entering, &altered);
-        self.free_end = takers.partition_point(|taker| !taker.key.is_fixed);
+        let end_of = |kind: Kind| takers.partition_point(|taker| taker.key.kind <= kind);
+        let layout = Layout {
+            bodies: end_of(Kind::FreeBody),
+            grains: end_of(Kind::FreeGrain),
+            free: end_of(Kind::FreeSphere),
+            contacts: end_of(Kind::FixedSphere),
+            all: takers.len(),
+        };
+        // Which rows are spheres of bodies.
+        let in_bodies = if layout.has_bodies() { &takers[layout.grains..layout.contacts] } else { &[] };
+        let spheres: Vec<_> = in_bodies.iter().map(|taker| (taker.key.id, taker.key.number)).collect();
         self.id.clear();
         self.id.extend(takers.iter().map(|taker| taker.key.id));
         self.former.clear();
         let former = |source: u32| if (source as usize) < rows { Slot::new(source) } else { Slot::default() };
         self.former.extend(takers.iter().map(|taker| former(taker.source)));
-        let newcomer =
-            |taker: &SlotTaker| entering.get((taker.source as usize).checked_sub(rows)?).map(|new| new.entity);
+        let newcomer = |taker: &SlotTaker| {
+            let new = entering.get((taker.source as usize).checked_sub(rows)?)?;
+            // A sphere of a body gets its numbers from the body.
+            (new.number == NO_SPHERE).then_some(new.entity)
+        };
         let newcomers = takers.iter().zip(0u32..).filter_map(|(taker, slot)| Some((newcomer(taker)?, slot)));
         let newcomers: Vec<_> = newcomers.collect();
         // Memory use is highest here when all grains of a scene enter at once.
         drop((takers, entering));
+        if layout.has_bodies() || !self.bodies.is_empty() {
+            self.rearrange_bodies(&layout);
+        }
+        self.free_end = layout.free;
         self.make_room();
         self.apply_altered(&altered);
         for (entity, slot) in newcomers {
@@ -129,15 +189,22 @@ impl<V: Space> ParticleStore<V> {
                 self.fill(slot as usize, &row, gravity);
             }
         }
+        if layout.has_bodies() {
+            let ids: Vec<_> = layout.bodies().map(|row| self.id[row]).collect();
+            self.bodies.set_spheres(&spheres, &ids);
+            self.renew_spheres();
+            self.alter_spheres();
+        }
         for (i, (entity, former)) in self.entity.iter().zip(&self.former).enumerate() {
             if *former != Slot::of(i)
+                && self.is_whole(i)
                 && let Ok(mut slot) = slots.get_mut(*entity)
             {
                 *slot.bypass_change_detection() = Slot::of(i);
             }
         }
         self.vacated.clear();
-        self.smallest_share = smallest_share(&self.body);
+        self.smallest_share = smallest_share(&self.body[self.contact_rows()]);
         self.generation += 1;
     }
 
@@ -157,7 +224,7 @@ impl<V: Space> ParticleStore<V> {
                 Some(i) => {
                     altered.insert(i, Properties::of(&row));
                 }
-                None => entering.push(Entering::of(&row)),
+                None => Entering::push(&row, &self.bodies.shapes, &mut entering),
             }
         }
         (entering, altered)
@@ -166,13 +233,13 @@ impl<V: Space> ParticleStore<V> {
     /// Derives the spatial order from all free particles.
     fn next_order(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> SpatialOrder {
         let known = || {
-            (0..self.len()).filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
+            self.contact_rows().filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
                 Some(properties) => (!properties.is_fixed()).then_some((self.body[i].position, properties.radius)),
                 None => (!self.is_fixed(i)).then_some((self.body[i].position, self.body[i].radius)),
             })
         };
         let new = || {
-            let free = entering.iter().filter(|entering| !entering.is_fixed);
+            let free = entering.iter().filter(|new| matches!(new.kind, Kind::FreeGrain | Kind::FreeSphere));
             free.map(|entering| (entering.position, entering.radius))
         };
         let largest = known().chain(new()).map(|(_, radius)| radius).fold(0.0, f64::max);
@@ -182,14 +249,29 @@ impl<V: Space> ParticleStore<V> {
     /// Returns all particles, in the order of their new slots.
     fn takers(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<SlotTaker> {
         let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(source, i)| {
-            let is_fixed = altered.get(&i).map_or(self.is_fixed(i), Properties::is_fixed);
+            let sphere = self.bodies.sphere(i);
+            // A sphere is fixed with its body.
+            let whole = sphere.map_or(i, |sphere| self.row_of_body(sphere.body));
+            let is_fixed = altered.get(&whole).map_or(self.is_fixed(whole), Properties::is_fixed);
+            let kind = match (sphere, self.body_of_row(i)) {
+                (Some(_), _) => Kind::of_body(is_fixed)[1],
+                (None, Some(_)) => Kind::of_body(is_fixed)[0],
+                (None, None) => {
+                    if is_fixed {
+                        Kind::FixedSphere
+                    } else {
+                        Kind::FreeGrain
+                    }
+                }
+            };
             let place = self.order.place(self.body[i].position);
-            SlotTaker { key: SlotKey { is_fixed, place, id: self.id[i] }, source }
+            let number = sphere.map_or(NO_SPHERE, |sphere| sphere.number);
+            SlotTaker { key: SlotKey { kind, place, id: self.id[i], number }, source }
         });
         let first = u32::try_from(self.len()).expect("fewer than 2^32 particles");
-        let new = (first..).zip(entering).map(|(source, &Entering { id, is_fixed, position, .. })| {
+        let new = (first..).zip(entering).map(|(source, &Entering { id, kind, number, position, .. })| {
             let place = self.order.place(position);
-            SlotTaker { key: SlotKey { is_fixed, place, id }, source }
+            SlotTaker { key: SlotKey { kind, place, id, number }, source }
         });
         let mut takers: Vec<_> = Vec::with_capacity(self.len() + entering.len());
         takers.extend(known.chain(new));
@@ -242,6 +324,16 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
+    /// Counts the spheres of altered bodies as altered.
+    fn alter_spheres(&mut self) {
+        let bodies = self.altered.iter().filter_map(|row| self.body_of_row(row.index()));
+        let spheres: Vec<_> = bodies.flat_map(|body| self.bodies.rows_of(body)).map(|&row| Slot::new(row)).collect();
+        if !spheres.is_empty() {
+            self.altered.extend(spheres);
+            self.altered.sort_unstable();
+        }
+    }
+
     fn set_properties(&mut self, i: usize, properties: &Properties) {
         let Properties { radius, mass, inverse_mass, inverse_inertia, species, .. } = *properties;
         self.body[i].radius = radius;
@@ -251,6 +343,7 @@ impl<V: Space> ParticleStore<V> {
         if let Some(rotation) = self.rotation.get_mut(i) {
             rotation.inverse_inertia = inverse_inertia;
         }
+        self.set_size(i, mass, radius);
     }
 
     /// Fills row `i` for an entering particle, in `gravity`, m/s^2.
@@ -259,11 +352,20 @@ impl<V: Space> ParticleStore<V> {
         self.body[i].position = entering.position.0;
         self.body[i].velocity = entering.velocity.0;
         let properties = Properties::of(entering);
+        let body = self.body_of_row(i).map(BodySlot::index);
+        if let (Some(body), Some((shape, rotor))) = (body, entering.shape) {
+            self.bodies.shape[body] = *shape;
+            self.bodies.rotor[body] = rotor.0.normalised().unwrap_or(V::Rotor::IDENTITY);
+        }
         let weight = || entering.mass.map_or(V::ZERO, |mass| gravity * mass.0);
         self.loads.force.set(i, entering.force.map_or_else(weight, |force| force.0));
         self.set_properties(i, &properties);
         if let (Some(rotation), Some((spin, _))) = (self.rotation.get_mut(i), entering.turning) {
             rotation.spin = spin.0;
+            if let Some(body) = body {
+                let BodyColumns { rotor, inverse_inertia, momentum, .. } = &mut self.bodies;
+                momentum[body] = rotor[body].momentum(spin.0, inverse_inertia[body]);
+            }
             self.loads.torque.set(i, entering.torque.copied().unwrap_or_default().0);
         }
     }

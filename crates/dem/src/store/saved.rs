@@ -10,9 +10,11 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::bodies::Shape;
 use crate::particle::{GrainId, Slot, Species};
 use crate::persist::{EntityNumbers, PersistApp as _, PersistWith as _, Problem, SavedEntities, encode, numbers};
-use crate::space::Space;
+use crate::space::{Rotor, Space};
+use crate::store::bodies::{BodyColumns, Layout, NO_SPHERE};
 use crate::store::mirror_set::MirrorSet;
 use crate::store::population::Population;
 use crate::store::reorder::smallest_share;
@@ -39,6 +41,18 @@ struct SavedPrediction {
     lone: Vec<u8>,
 }
 
+/// The bodies of several spheres, in the order of [`BodyColumns`].
+#[derive(Deserialize, Serialize)]
+#[serde(bound = "")]
+struct SavedBodies<V: Space> {
+    layout: Layout,
+    shape: Vec<Shape>,
+    rotor: Vec<V::Rotor>,
+    momentum: Vec<V::Spin>,
+    /// The id of the body and the number in its shape of each row from the first sphere to the end of contact rows.
+    spheres: Vec<(GrainId, u16)>,
+}
+
 /// The store as it is saved.
 #[derive(Deserialize, Serialize)]
 #[serde(bound = "")]
@@ -59,6 +73,7 @@ struct SavedStore<V: Space> {
     lifted: f64,
     is_suspect: bool,
     free_end: usize,
+    bodies: Option<SavedBodies<V>>,
     generation: u64,
     travel: f64,
     kick_sum: Option<V>,
@@ -122,6 +137,7 @@ impl<V: Space> ParticleStore<V> {
             lifted: self.lifted,
             is_suspect: self.is_suspect,
             free_end: self.free_end,
+            bodies: self.saved_bodies(),
             generation: self.generation,
             travel: self.travel,
             kick_sum: self.kick_sum,
@@ -183,13 +199,72 @@ impl<V: Space> ParticleStore<V> {
         self.added = saved.added;
         self.added_power = saved.added_power;
         self.free_end = saved.free_end;
-        self.smallest_share = smallest_share(&self.body);
+        self.restore_bodies(saved.bodies)?;
+        self.smallest_share = smallest_share(&self.body[self.contact_rows()]);
         self.generation = saved.generation;
         self.travel = saved.travel;
         self.order = saved.order;
         self.kick_sum = saved.kick_sum;
         self.spin_kick_sum = saved.spin_kick_sum;
         self.stale = MirrorSet::ALL;
+        Ok(())
+    }
+}
+
+impl<V: Space> ParticleStore<V> {
+    fn saved_bodies(&self) -> Option<SavedBodies<V>> {
+        if self.bodies.is_empty() {
+            return None;
+        }
+        let rows = self.bodies.first_sphere..self.bodies.contact_end;
+        let sphere = |row: usize| match self.bodies.sphere(row) {
+            Some(sphere) => (self.id[row], sphere.number),
+            None => (self.id[row], NO_SPHERE),
+        };
+        Some(SavedBodies {
+            layout: self.layout(),
+            shape: self.bodies.shape.clone(),
+            rotor: self.bodies.rotor.clone(),
+            momentum: self.bodies.momentum.clone(),
+            spheres: rows.map(sphere).collect(),
+        })
+    }
+
+    /// Restores the bodies, after all rows. Spheres follow from their bodies, except for their places and velocities, which have rows.
+    fn restore_bodies(&mut self, saved: Option<SavedBodies<V>>) -> Result<(), Problem> {
+        self.bodies = BodyColumns::with_shapes(self.bodies.shapes.clone());
+        let Some(SavedBodies { layout, shape, rotor, momentum, spheres }) = saved else { return Ok(()) };
+        let ends = [0, layout.bodies, layout.grains, layout.free, layout.contacts, layout.all];
+        let count = layout.bodies().count();
+        let are_known = shape.iter().all(|shape| shape.index() < self.bodies.shapes.len());
+        let are_rotors = rotor.iter().all(|rotor| rotor.normalised().is_some());
+        let fits = ends.is_sorted()
+            && [layout.all, layout.free] == [self.id.len(), self.free_end]
+            && [shape.len(), rotor.len(), momentum.len()] == [count; 3]
+            && spheres.len() == layout.contacts - layout.grains
+            && self.rotation.len() == self.id.len();
+        let ids: Vec<_> = layout.bodies().map(|row| self.id[row]).collect();
+        if !fits
+            || !are_known
+            || !are_rotors
+            || !spheres.iter().zip(layout.grains..).all(|(one, i)| one.0 == self.id[i])
+        {
+            return Err("its bodies do not fit its rows".to_owned());
+        }
+        self.bodies.take_layout(&layout);
+        self.bodies.scale = vec![1.0; count];
+        self.bodies.inverse_inertia = vec![V::Principal::default(); count];
+        self.bodies.shape = shape;
+        self.bodies.rotor = rotor;
+        self.bodies.momentum = momentum;
+        if !self.bodies.has_all_spheres(&spheres, &ids) {
+            return Err("the spheres of a body differ from its shape".to_owned());
+        }
+        self.bodies.set_spheres(&spheres, &ids);
+        for row in layout.bodies() {
+            self.set_size(row, self.mass[row], self.body[row].radius);
+        }
+        self.renew_arms();
         Ok(())
     }
 }

@@ -45,14 +45,15 @@ impl NearWalls {
             return &[];
         }
         if has_changed || self.has_expired(store, walls) {
-            let grains = &store.body[..store.free_end];
+            let rows = store.free_rows();
+            let grains = &store.body[rows.clone()];
             let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
             self.pairs.clear();
             let mut candidates = walls.everywhere();
             let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
             let sides = store.periodic.filter(|_| walls.have_ends());
-            for (i, body) in (0u32..).zip(grains) {
+            for (i, body) in (0u32..).skip(rows.start).zip(grains) {
                 let beyond = sides.map(|sides| sides.images_beyond(body.position, slack));
                 if let Some(beyond) = beyond.filter(|images| !images.is_empty()) {
                     let places = [&[body.position], &beyond[..]].concat();

@@ -43,7 +43,7 @@ pub const FORMAT: u32 = 2;
 /// another one.
 pub const TAKEN_NAMES: &str = "id kind species radius mass position velocity spin force pressure coordination kinetic_energy \
     age speed time_s step type pos velo x y z vx vy vz fx fy fz position_x position_y position_z velocity_x velocity_y velocity_z \
-    spin_x spin_y spin_z force_x force_y force_z";
+    spin_x spin_y spin_z force_x force_y force_z sphere";
 
 /// Facts about a run that all its frames share.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]

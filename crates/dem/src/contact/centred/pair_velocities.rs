@@ -53,7 +53,7 @@ impl<V: Space> ParticleStore<V> {
         if self.is_fixed(i) {
             return;
         }
-        pair.ahead.inverse_masses[side] = self.body[i].inverse_mass;
+        pair.ahead.inverse_masses[side] = self.inverse_mass_along(i, pair.normal);
         pair.ahead.lone[side] = f64::from(self.prediction.lone[i]);
         if let Some(rotation) = self.rotation.get(i) {
             let middle = self.prediction.middle_spin[i];

@@ -6,6 +6,7 @@
 //! | `with` | | kind of its partner: `grain`, `wall_grain` or `wall` |
 //! | `number` | | the partner's id; for a wall grain its number; for a wall its place among all surfaces of the scene (a polygon has several); from 1 |
 //! | `wall` | | name of the wall, empty if it has none; may be missing |
+//! | `sphere`, `partner_sphere` | | numbers of the spheres that touch in the shapes of `grain` and its partner, from 0; only if grains have shapes |
 //! | `at_x`, `at_y`, `at_z` | m | point of the wall that the grain touches, for a wall grain its centre, empty for a grain; may be missing |
 //!
 //! All other columns are numbers of the memory, seen from `grain`, under the names that the law gives its variables
@@ -64,6 +65,8 @@ pub struct Remembered {
     numbers: Vec<f64>,
     /// Name of the wall.
     pub wall: Option<String>,
+    /// Numbers of the spheres that touch, in the shapes of the grain and its partner; `None` for grains that are one sphere.
+    pub spheres: [Option<u16>; 2],
     at: [Option<f64>; 3],
 }
 
@@ -99,6 +102,9 @@ pub struct RememberedContacts {
 const FIRST: [&str; 3] = ["grain", "with", "number"];
 const LAST: [&str; 4] = ["wall", "at_x", "at_y", "at_z"];
 
+/// Columns of grains with shapes, at the end.
+const OF_SHAPES: [&str; 2] = ["sphere", "partner_sphere"];
+
 /// A row with the names of its columns.
 struct NamedRow {
     columns: Vec<String>,
@@ -126,6 +132,7 @@ impl<'de> Visitor<'de> for RowVisitor {
         let mut number = None;
         let mut wall = None;
         let mut at = [None; 3];
+        let mut spheres = [None; 2];
         let mut columns = Vec::new();
         let mut numbers = Vec::new();
         while let Some(name) = map.next_key::<String>()? {
@@ -134,6 +141,8 @@ impl<'de> Visitor<'de> for RowVisitor {
                 "with" => with = Some(map.next_value()?),
                 "number" => number = Some(map.next_value()?),
                 "wall" => wall = map.next_value()?,
+                "sphere" => spheres[0] = map.next_value()?,
+                "partner_sphere" => spheres[1] = map.next_value()?,
                 "at_x" => at[0] = map.next_value()?,
                 "at_y" => at[1] = map.next_value()?,
                 "at_z" => at[2] = map.next_value()?,
@@ -150,6 +159,7 @@ impl<'de> Visitor<'de> for RowVisitor {
             number: number.ok_or_else(|| missing(FIRST[2]))?,
             numbers,
             wall,
+            spheres,
             at,
         };
         check_names(&columns).map_err(A::Error::custom)?;
@@ -165,7 +175,7 @@ fn check_names(columns: &[String]) -> Result<(), String> {
         return Ok(());
     }
     if let Some(unknown) = columns.iter().find(|column| !own.contains(column)) {
-        let known = FIRST.into_iter().chain(own.iter().map(String::as_str)).chain(LAST);
+        let known = FIRST.into_iter().chain(own.iter().map(String::as_str)).chain(LAST).chain(OF_SHAPES);
         let known: Vec<_> = known.map(|name| format!("`{name}`")).collect();
         return Err(format!("unknown field `{unknown}`, expected one of {}", known.join(", ")));
     }
@@ -204,12 +214,17 @@ pub fn read(file: impl io::Read) -> Result<RememberedContacts, String> {
 pub fn write(contacts: &RememberedContacts) -> Result<String, String> {
     let RememberedContacts { columns, rows } = contacts;
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let have_shapes = rows.iter().any(|row| row.spheres != [None; 2]);
     if !rows.is_empty() {
+        let of_shapes = if have_shapes { &OF_SHAPES[..] } else { &[] };
         let header = FIRST.into_iter().chain(columns.iter().map(String::as_str)).chain(LAST);
+        let header = header.chain(of_shapes.iter().copied());
         writer.write_record(header).map_err(|error| error.to_string())?;
     }
-    for Remembered { grain, with, number, numbers, wall, at } in rows {
-        writer.serialize((grain, with, number, numbers, wall, at)).map_err(|error| error.to_string())?;
+    for Remembered { grain, with, number, numbers, wall, spheres, at } in rows {
+        let row = (grain, with, number, numbers, wall, at);
+        let written = if have_shapes { writer.serialize((row, spheres)) } else { writer.serialize(row) };
+        written.map_err(|error| error.to_string())?;
     }
     let bytes = writer.into_inner().map_err(|error| error.to_string())?;
     String::from_utf8(bytes).map_err(|error| error.to_string())
@@ -231,19 +246,22 @@ impl History {
             number,
             numbers: layout.numbers_in_columns::<V>(memory),
             wall: None,
+            spheres: [None; 2],
             at: [None; 3],
         };
+        let number_in_shape = |slot: usize| store.bodies.sphere(slot).map(|sphere| sphere.number);
         let are_present = |slots: &[usize]| slots.iter().all(|&slot| store.is_present(slot));
         let pairs = self.pair_blocks.iter().flat_map(HistoryBlock::all);
         let pairs = pairs.filter(|(contact, memory)| are_present(&contact.both()) && !memory.is_empty());
         let pairs = pairs.map(|(contact, memory)| {
             let [i, j] = contact.both();
             let id = store.id[j];
+            let spheres = [i, j].map(number_in_shape);
             if id.is_wall() {
                 let row = row(store.id[i], PartnerKind::WallGrain, id.number(), &memory);
-                row.with_partner_at(id.number(), store.body[j].position.spread())
+                Remembered { spheres, ..row.with_partner_at(id.number(), store.body[j].position.spread()) }
             } else {
-                row(store.id[i], PartnerKind::Grain, id.number(), &memory)
+                Remembered { spheres, ..row(store.id[i], PartnerKind::Grain, id.number(), &memory) }
             }
         });
         let walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
@@ -253,7 +271,7 @@ impl History {
             let number = u32::try_from(index + 1).ok()?;
             let at = surfaces.get(index)?.surface.nearest_point(store.body[i].position);
             let row = row(store.id[i], PartnerKind::Wall, number, &memory);
-            Some(row.with_partner_at(number, at.spread()))
+            Some(Remembered { spheres: [number_in_shape(i), None], ..row.with_partner_at(number, at.spread()) })
         });
         RememberedContacts { columns: layout.columns(), rows: pairs.chain(walls).collect() }
     }
@@ -270,17 +288,21 @@ impl History {
         let columns = layout.columns();
         let places: Vec<_> =
             columns.iter().map(|name| contacts.columns.iter().position(|column| column == name)).collect();
-        let slots: HashMap<GrainId, u32> = store.id.iter().copied().zip(0..).collect();
-        let slot = |id: Option<GrainId>| slots.get(&id?).copied();
+        let number_in_shape = |slot: u32| store.bodies.sphere(slot as usize).map(|sphere| sphere.number);
+        let all =
+            store.id.iter().copied().zip(0..).filter(|&(_, slot)| store.contact_rows().contains(&(slot as usize)));
+        let slots: HashMap<(GrainId, Option<u16>), u32> =
+            all.map(|(id, slot)| ((id, number_in_shape(slot)), slot)).collect();
+        let slot = |id: Option<GrainId>, sphere: Option<u16>| slots.get(&(id?, sphere)).copied();
         let mut pairs = Vec::new();
         let mut walls = Vec::new();
         for row in &contacts.rows {
-            let Some(i) = slot(GrainId::grain(row.grain)) else { continue };
+            let Some(i) = slot(GrainId::grain(row.grain), row.spheres[0]) else { continue };
             let memory =
                 layout.memory_from_columns::<V>(|column| places[column].map_or(0.0, |place| row.numbers[place]));
             let j = match row.with {
-                PartnerKind::Grain => slot(GrainId::grain(row.number)),
-                PartnerKind::WallGrain => slot(GrainId::numbered_wall(row.number)),
+                PartnerKind::Grain => slot(GrainId::grain(row.number), row.spheres[1]),
+                PartnerKind::WallGrain => slot(GrainId::numbered_wall(row.number), row.spheres[1]),
                 PartnerKind::Wall => {
                     let wall = row.number.checked_sub(1).filter(|&wall| (wall as usize) < surfaces);
                     walls.extend(wall.map(|wall| (Candidate::new(i, wall), memory)));

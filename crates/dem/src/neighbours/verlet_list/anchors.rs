@@ -43,5 +43,6 @@ impl<V: Space> Anchors<V> {
         let reach = store.body[i].radius + store.body[j].radius + one.allowance + other.allowance;
         store.separation(one.position, other.position).length_squared() < reach * reach
             && !(store.is_fixed(i) && store.is_fixed(j))
+            && store.can_touch(i, j)
     }
 }
