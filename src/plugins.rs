@@ -115,17 +115,7 @@ pub(crate) fn add_all<V: Engine>(
     if scene.energy_balance && (has_behaviours || scene.kick.is_some()) {
         app.add(if has_behaviours { "behaviours" } else { "kick" }, AddedWorkPlugin(space));
     }
-    if loaded.grains_spin() {
-        let spins = SpinPlugin { inertia: loaded.inertia(), space };
-        app.add_with("contact.tangential", |app| V::add_spins(app, spins));
-        if scene.energy_balance {
-            app.add("contact.tangential", SpinEnergyPlugin(space));
-        }
-    }
-    if !loaded.shapes.is_empty() {
-        let bodies = BodiesPlugin { shapes: loaded.shapes.rigid::<V>() };
-        app.add_with("shapes", |app| V::add_bodies(app, bodies));
-    }
+    add_rotation::<V>(app, loaded);
     if !own_contacts {
         if loaded.is_centred() {
             let (damping_rates, springs_exact) = Estimates::of(loaded)
@@ -170,6 +160,23 @@ pub(crate) fn add_all<V: Engine>(
             app.add_plugins(SpinEnergyPlugin(space));
         }
     });
+}
+
+/// Adds the rotation of grains, and their shapes.
+fn add_rotation<V: Engine>(app: &mut Assembly, loaded: &Loaded) {
+    let scene = &loaded.scene;
+    let space = PhantomData::<V>;
+    if loaded.grains_spin() {
+        let spins = SpinPlugin { inertia: loaded.inertia(), space };
+        app.add_with("contact.tangential", |app| V::add_spins(app, spins));
+        if scene.energy_balance {
+            app.add("contact.tangential", SpinEnergyPlugin(space));
+        }
+    }
+    if !loaded.shapes.is_empty() {
+        let bodies = BodiesPlugin { shapes: loaded.shapes.rigid::<V>() };
+        app.add_with("shapes", |app| V::add_bodies(app, bodies));
+    }
 }
 
 /// Adds what opens doors, moves walls and removes them.

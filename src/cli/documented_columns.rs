@@ -26,6 +26,7 @@ const RENEW: &str = "SILOFLOW_RENEW_TABLES";
 const MOST_NUMBERED: usize = 3;
 
 /// A row of a table.
+#[derive(Clone)]
 struct Row {
     names: Vec<String>,
     unit: String,

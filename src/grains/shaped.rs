@@ -57,8 +57,10 @@ impl ShapeFacts {
 pub struct Shapes {
     /// Facts of each.
     pub facts: Vec<ShapeFacts>,
-    /// The shapes in the scene's space: an `Arc<[RigidShape<V>]>`.
-    rigid: Option<Box<dyn Any + Send + Sync>>,
+    /// The shapes, if the scene is planar.
+    plane: Arc<[RigidShape<Plane>]>,
+    /// The shapes, if it is in solid space.
+    solid: Arc<[RigidShape<Solid>]>,
 }
 
 impl Shapes {
@@ -72,10 +74,14 @@ impl Shapes {
             spheres: shape.sphere_radii(),
             count: shape.spheres.len(),
             mobility: shape.mobility,
-            axes: shape.axes.spread(),
+            axes: shape.axes.to_quaternion(),
         };
         let shapes: Arc<[RigidShape<V>]> = shapes.into();
-        Self { facts: shapes.iter().map(facts).collect(), rigid: Some(Box::new(shapes)) }
+        let facts = shapes.iter().map(facts).collect();
+        let shapes: &dyn Any = &shapes;
+        let plane = shapes.downcast_ref::<Arc<[RigidShape<Plane>]>>().cloned().unwrap_or_default();
+        let solid = shapes.downcast_ref::<Arc<[RigidShape<Solid>]>>().cloned().unwrap_or_default();
+        Self { facts, plane, solid }
     }
 
     /// Whether the scene has no shapes.
@@ -87,8 +93,12 @@ impl Shapes {
     /// The shapes in the space of the scene; none in the other space.
     #[must_use]
     pub fn rigid<V: Space>(&self) -> Arc<[RigidShape<V>]> {
-        let shapes = self.rigid.as_ref().and_then(|shapes| shapes.downcast_ref::<Arc<[RigidShape<V>]>>());
-        shapes.cloned().unwrap_or_default()
+        let of_both: [&dyn Any; 2] = [&self.plane, &self.solid];
+        of_both
+            .into_iter()
+            .find_map(|shapes| shapes.downcast_ref::<Arc<[RigidShape<V>]>>())
+            .cloned()
+            .unwrap_or_default()
     }
 
     /// The number of the shape with this name.
@@ -104,7 +114,7 @@ impl Shapes {
         let shapes = self.rigid::<V>();
         let Some(shape) = shapes.get(posture.shape.index()) else { return Vec::new() };
         let scale = shape.scale(radius);
-        let rotor = V::Rotor::narrow(posture.rotor);
+        let rotor = V::Rotor::of_quaternion(posture.rotor);
         let sphere = |sphere: &ShapeSphere<V>| (rotor.turn(sphere.at * scale).spread(), sphere.radius * scale);
         shape.spheres.iter().map(sphere).collect()
     }
@@ -148,7 +158,7 @@ impl Posture {
     /// The components of a grain.
     #[must_use]
     pub fn components<V: Space>(&self) -> (Shape, Orientation<V>) {
-        (self.shape, Orientation(V::Rotor::narrow(self.rotor)))
+        (self.shape, Orientation(V::Rotor::of_quaternion(self.rotor)))
     }
 }
 
@@ -163,7 +173,7 @@ impl Shaped {
     #[must_use]
     pub fn posture<V: Space>(&self, radius: f64, numbers: [f64; 3]) -> Posture {
         let described = match self.orientation {
-            OrientationLaw::Random => V::Rotor::from_uniform(numbers).spread(),
+            OrientationLaw::Random => V::Rotor::from_uniform(numbers).to_quaternion(),
             OrientationLaw::Along(direction) => along(direction.padded()),
         };
         Posture { shape: self.shape, rotor: described * self.facts.axes, reach: self.reach(radius) }
@@ -175,7 +185,7 @@ fn along(direction: Solid) -> Quaternion {
     let direction = direction.normalize_or(Solid::X);
     if direction.z == 0.0 {
         // About z, also for the opposite direction.
-        return Rotor::<Plane>::spread(direction.truncate());
+        return Rotor::<Plane>::to_quaternion(direction.truncate());
     }
     Quaternion::from_rotation_arc(Solid::X, direction)
 }

@@ -117,7 +117,8 @@ fn report_vanished_grains<V: Space>(
     mut lost: MessageWriter<GrainLost<V>>,
     mut ledger: ResMut<Ledger>,
 ) {
-    for &row in store.vacated() {
+    // A grain of several spheres has left once.
+    for &row in store.vacated().iter().filter(|&&row| store.is_whole(row)) {
         let id = store.id[row];
         // Nothing is kept of a grain that is counted and no longer present, so that the memory of a long run is bounded.
         let is_counted = culled.0.remove(&id) | ledger.gone.remove(&id);

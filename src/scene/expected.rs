@@ -7,6 +7,8 @@
 //! | disk | the length of such rows and shapes, times their number |
 
 use crate::grains::feed::Feed;
+use crate::grains::file::GrainRow;
+use crate::grains::shaped::Shaped;
 use crate::measure::fields::Layout;
 use crate::scene::TimeStep;
 use crate::scene::check::quantities::Estimates;
@@ -53,13 +55,20 @@ pub fn pixels(loaded: &Loaded) -> f64 {
         .map_or(0.0, |pictures| svg::pixels(pictures.width.get(), view::of(loaded, pictures), header_lines(loaded)))
 }
 
-/// Returns the number of discs of a late picture: wall grains, grains of the start, and grains to be released.
+/// Returns the number of discs of a late picture: wall grains, grains of the start, and grains to be released. A grain with a shape has
+/// several.
 #[must_use]
 pub fn shapes(loaded: &Loaded) -> usize {
-    let released = loaded.scene.spawner.as_ref().map_or(0, |spawner| spawner.count as usize);
-    let fed: usize = loaded.scene.feed.iter().map(|feed| fed(loaded, feed)).sum();
+    let count = |shaped: Option<&Shaped>| shaped.map_or(1, |shaped| shaped.facts.count);
+    let of_spawner = loaded.scene.spawner.as_ref();
+    let released = of_spawner.map_or(0, |spawner| spawner.count as usize * count(spawner.shaped.as_ref()));
+    let fed: usize = loaded.scene.feed.iter().map(|feed| fed(loaded, feed) * count(feed.shaped.as_ref())).sum();
+    let of_grain = |grain: &GrainRow| {
+        grain.posture.and_then(|posture| loaded.shapes.facts_of(posture.shape)).map_or(1, |facts| facts.count)
+    };
+    let start: usize = loaded.grains.iter().map(of_grain).sum();
     let walls = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len() + loaded.scene.walls.len();
-    loaded.grains.len() + walls + released + fed
+    start + walls + released + fed
 }
 
 /// Returns the number of grains that a feed will release up to `until`.

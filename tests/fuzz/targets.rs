@@ -63,7 +63,7 @@ pub fn silo(text: &str) {
 
 pub fn grains(text: &str) {
     for (dimension, spins) in [(Dimension::Plane, false), (Dimension::Solid, true)] {
-        show(file::parse("mutant.csv", text, Kind { dimension, spins }));
+        show(file::parse("mutant.csv", text, Kind { dimension, spins, shapes: &[] }));
     }
 }
 

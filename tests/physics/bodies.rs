@@ -81,7 +81,7 @@ fn jacobi(u: f64, m: f64) -> [f64; 3] {
         means.push([0.5 * (a + b), (a * b).sqrt(), 0.5 * (a - b)]);
     }
     let last = means.len() - 1;
-    let mut phi = 2.0_f64.powi(last as i32) * means[last][0] * u;
+    let mut phi = (1_u64 << last) as f64 * means[last][0] * u;
     let mut before = phi;
     for [a, _, c] in means[1..].iter().rev() {
         before = phi;
@@ -199,17 +199,19 @@ fn implosion(shapes: &Shapes, is_solid: bool) -> Vec<GrainRow> {
     let random = Stream::new(7, "implosion");
     let flat = if is_solid { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
     let grain = |i: u32| {
-        let [x, y, z, a, b, c] = random.uniform::<6>(u64::from(i));
+        let numbers = random.uniform::<6>(u64::from(i));
+        let shift = DVec3::new(numbers[0], numbers[1], numbers[2]);
+        let turns = [numbers[3], numbers[4], numbers[5]];
         let cell = DVec3::new(f64::from(i % 3) - 1.0, f64::from(i / 3 % 3) - 1.0, f64::from(i / 9) - 0.5) * flat;
-        let position = cell * 0.24 + 0.01 * flat * DVec3::new(x, y, z);
-        let rotor = if is_solid { Rotor::<Solid>::from_uniform([a, b, c]) } else { DQuat::from_rotation_z(6.0 * a) };
+        let position = cell * 0.24 + 0.01 * flat * shift;
+        let rotor = if is_solid { Rotor::<Solid>::from_uniform(turns) } else { DQuat::from_rotation_z(6.0 * turns[0]) };
         let mut grain = match i % 3 {
             0 => shaped(shapes, "bean", i + 1, position, rotor),
             1 => shaped(shapes, "rod", i + 1, position, rotor),
             _ => sphere(i + 1, position, DVec3::ZERO, 0.05, 2.0),
         };
-        grain.velocity = -4.0 * position + 0.2 * flat * DVec3::new(b, c, a);
-        grain.spin = if is_solid { DVec3::new(x, y, z) * 3.0 } else { DVec3::Z * x * 3.0 };
+        grain.velocity = -4.0 * position + 0.2 * flat * DVec3::from(turns);
+        grain.spin = if is_solid { shift * 3.0 } else { DVec3::Z * shift.x * 3.0 };
         grain
     };
     (0..if is_solid { 18 } else { 9 }).map(grain).collect()

@@ -763,7 +763,10 @@ fn grains_leave_through_holes_in_round_walls_and_none_is_lost() {
 fn a_needle_falls_through_a_slot_and_another_stays_across_a_gap() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("needle", &[("integrator", integrator)]);
-        assert_all_inside(&run, 2, integrator);
+        let ledger = run.world().resource::<Ledger>();
+        // A grain that falls past all walls is lost, once; one that lies across a gap is not.
+        assert_eq!((ledger.inside(), ledger.lost()), (1, 1), "{integrator}: {ledger:?}");
+        assert_eq!(ledger.lost[0].grain, 1, "{integrator}");
         let [(through, ..), (across, v, _)] = planar(&mut run)[..] else { panic!("two needles") };
         // The first has fallen freely past the slot; the second lies on both edges, with its axis half a diameter above them.
         assert!(through.y < -0.1 && through.x.abs() < 5e-4, "{integrator}: {through}");
@@ -777,7 +780,7 @@ fn a_needle_falls_through_a_slot_and_another_stays_across_a_gap() {
 fn clumps_of_two_sizes_stay_in_a_corner() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("clumps-in-corner", &[("integrator", integrator)]);
-        assert_all_inside(&run, 66, integrator);
+        assert_all_inside(&run, 65, integrator);
         let lowest = grains::<Solid>(&mut run).iter().map(|(x, ..)| x.min_element()).fold(f64::INFINITY, f64::min);
         assert!(lowest > 5e-4, "{integrator}: a grain is in a wall, {lowest} m from it");
         let (_, flows, error) = balance(&run);

@@ -22,6 +22,7 @@
 mod access_markers;
 mod accumulator;
 mod bodies;
+mod body_motion;
 mod component_sync;
 mod consistent;
 mod declared_access;

@@ -83,7 +83,7 @@ fn check_header(header: &StringRecord, kind: Kind<'_>) -> Result<(), Defect> {
         Err(Defect { code, message, help, at: Place::Header })
     };
     let has = |column: &str| header.iter().any(|found| found == column);
-    if let Some(missing) = kind.needed().find(|&column| !has(column) && !(column == "radius" && has("scale"))) {
+    if let Some(missing) = kind.needed().find(|&column| !(has(column) || column == "radius" && has("scale"))) {
         return defect("grain_file::missing_column", format!("the column `{missing}` is missing"));
     }
     let known = |column: &str| {
@@ -198,14 +198,12 @@ impl Line<'_> {
     fn shape(&self) -> Result<Option<(Shape, &ShapeFacts)>, Defect> {
         let Some(name) = self.value("shape").filter(|name| !name.is_empty()) else { return Ok(None) };
         let shapes = self.kind.shapes;
-        match (0u16..).zip(shapes).find(|(_, facts)| facts.name == name) {
-            Some((number, facts)) => Ok(Some((Shape(number), facts))),
-            None => {
-                let names: Vec<_> = shapes.iter().map(|facts| facts.name.as_str()).collect();
-                let message = format!("expected a shape of the scene ({}), got `{name}`", names.join(", "));
-                Err(self.defect("grain_file::value", "shape", message))
-            }
+        if let Some((number, facts)) = (0u16..).zip(shapes).find(|(_, facts)| facts.name == name) {
+            return Ok(Some((Shape(number), facts)));
         }
+        let names: Vec<_> = shapes.iter().map(|facts| facts.name.as_str()).collect();
+        let message = format!("expected a shape of the scene ({}), got `{name}`", names.join(", "));
+        Err(self.defect("grain_file::value", "shape", message))
     }
 
     /// Returns the radius (m), and the posture of a grain with a shape.

@@ -48,15 +48,15 @@ const ORIENTATION: &str = "orientation of the shape as the scene describes it, e
 /// The columns of shapes, which follow if the scene has shapes.
 pub(crate) const SHAPES: &[Column<Option<ShapeCells>>] = &[
     Column::new("shape", "", NAME, |shape| shape.as_ref().map_or(Empty, |shape| Text(&shape.name))),
-    Column::planar("angle", "rad", ORIENTATION, |shape| of(shape, |q| 2.0 * q.z.atan2(q.w))),
-    Column::solid("qw", "", ORIENTATION, |shape| of(shape, |q| q.w)),
-    Column::solid("qx", "", ORIENTATION, |shape| of(shape, |q| q.x)),
-    Column::solid("qy", "", ORIENTATION, |shape| of(shape, |q| q.y)),
-    Column::solid("qz", "", ORIENTATION, |shape| of(shape, |q| q.z)),
+    Column::planar("angle", "rad", ORIENTATION, |shape| of(shape.as_ref(), |q| 2.0 * q.z.atan2(q.w))),
+    Column::solid("qw", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.w)),
+    Column::solid("qx", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.x)),
+    Column::solid("qy", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.y)),
+    Column::solid("qz", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.z)),
 ];
 
-fn of(shape: &Option<ShapeCells>, number: fn(Quaternion) -> f64) -> Cell<'static> {
-    shape.as_ref().map_or(Empty, |shape| Plain(number(shape.rotor)))
+fn of(shape: Option<&ShapeCells>, number: fn(Quaternion) -> f64) -> Cell<'static> {
+    shape.map_or(Empty, |shape| Plain(number(shape.rotor)))
 }
 
 /// Returns the grains of a world as the text of a grain file, in ascending order of ids.
@@ -99,7 +99,7 @@ pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Res
         }
         let shape = grain.shape.and_then(|(shape, rotor)| {
             let shape = shapes.get(shape.index())?;
-            let rotor = rotor.spread() * shape.axes.spread().conjugate();
+            let rotor = rotor.to_quaternion() * shape.axes.to_quaternion().conjugate();
             Some(ShapeCells { name: shape.name.clone(), rotor })
         });
         writeln!(out, "{},{}", columns.cells(&row), of_shapes.cells(&shape))

@@ -46,7 +46,7 @@ pub fn started_from(
         return Err(loaded.fault("scene::dimension", "space", message).help("start from a run with the same `space`"));
     }
     let mut notes = Vec::new();
-    if !loaded.scene.contact.spins() {
+    if !loaded.grains_spin() {
         let spinning;
         (grains, spinning) = file::without_spin(&grains)?;
         notes.extend((spinning > 0).then(|| Warning {

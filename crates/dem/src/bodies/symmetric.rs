@@ -31,11 +31,11 @@ impl Symmetric {
     pub fn eigen(&self) -> Eigen {
         let mut a = self.rows();
         let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let size = self.diagonal.abs().max_element() + self.beside.abs().max_element();
+        let scale = self.diagonal.abs().max_element() + self.beside.abs().max_element();
         // Each sweep squares the relative size of the entries beside the diagonal.
         for _ in 0..20 {
             for [p, q] in [[0, 1], [1, 2], [0, 2]] {
-                if a[p][q].abs() <= 1e-14 * size {
+                if a[p][q].abs() <= 1e-14 * scale {
                     continue;
                 }
                 let ratio = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);

@@ -63,7 +63,8 @@ fn drift<V: Space>(
         };
         store.prediction.middle = apart;
         store.prediction.is_ahead = true;
-        let first = store.integrated_rows().end;
+        // The spheres of bodies follow them later, with margins of their own.
+        let first = store.free_end;
         store.set_margins(first, longest, dt);
     } else {
         let kept = Kept { apart: &mut unit(count), swept: &mut unit(count) };

@@ -63,11 +63,11 @@ pub trait Rotor<V: Space>: Copy + Debug + PartialEq + Send + Sync + Serialize + 
 
     /// Returns the rotation as a quaternion; in the plane it is about z.
     #[must_use]
-    fn spread(self) -> Quaternion;
+    fn to_quaternion(self) -> Quaternion;
 
     /// Returns the rotor of a quaternion; in the plane its part about z.
     #[must_use]
-    fn narrow(rotation: Quaternion) -> Self;
+    fn of_quaternion(rotation: Quaternion) -> Self;
 
     /// Returns the rotor without rounding errors of its length; `None` if it has no direction.
     #[must_use]
@@ -140,7 +140,7 @@ impl Rotor<Plane> for Plane {
         self.rotated(momentum * inverse_inertia * dt)
     }
 
-    fn spread(self) -> Quaternion {
+    fn to_quaternion(self) -> Quaternion {
         // Half of the angle, from the better conditioned of two formulas.
         let half = if self.x > 0.0 {
             Self::new(1.0 + self.x, self.y)
@@ -151,7 +151,7 @@ impl Rotor<Plane> for Plane {
         Quaternion::from_xyzw(0.0, 0.0, half.y, half.x)
     }
 
-    fn narrow(rotation: Quaternion) -> Self {
+    fn of_quaternion(rotation: Quaternion) -> Self {
         let half = Self::new(rotation.w, rotation.z).try_normalize().unwrap_or(Self::X);
         half.rotate(half)
     }
@@ -257,22 +257,23 @@ impl Rotor<Solid> for Quaternion {
     fn freely_turned(self, momentum: Solid, a: Solid, dt: f64) -> Self {
         let Axes { common, similar, other } = Axes::of(a);
         let mut rotor = self;
-        let differs = a[similar] != a[common];
+        let difference = a[similar] - a[common];
+        let differs = difference.abs() > 0.0;
         if differs {
-            rotor = about_own_axis(rotor, momentum, similar, a[similar] - a[common], 0.5 * dt);
+            rotor = about_own_axis(rotor, momentum, similar, difference, 0.5 * dt);
         }
         rotor = about_own_axis(rotor, momentum, other, a[other] - a[common], dt);
         if differs {
-            rotor = about_own_axis(rotor, momentum, similar, a[similar] - a[common], 0.5 * dt);
+            rotor = about_own_axis(rotor, momentum, similar, difference, 0.5 * dt);
         }
         rotor.rotated(momentum * (a[common] * dt))
     }
 
-    fn spread(self) -> Quaternion {
+    fn to_quaternion(self) -> Quaternion {
         self
     }
 
-    fn narrow(rotation: Quaternion) -> Self {
+    fn of_quaternion(rotation: Quaternion) -> Self {
         rotation
     }
 
@@ -358,8 +359,8 @@ mod tests {
             let expected = Quaternion::from_axis_angle(rotation / angle, angle) * vector;
             // The series has a relative error below x^14 1e-6 at x = 1.7.
             prop_assert!(Linear::length(turned - expected) < 1e-4 * angle.powi(8) + 1e-13);
-            let spread = Rotor::<Plane>::spread(Plane::from_angle(9.0 * rotation.x));
-            prop_assert!(Linear::length(<Plane as Rotor<Plane>>::narrow(spread) - Plane::from_angle(9.0 * rotation.x)) < 1e-14);
+            let spread = Rotor::<Plane>::to_quaternion(Plane::from_angle(9.0 * rotation.x));
+            prop_assert!(Linear::length(<Plane as Rotor<Plane>>::of_quaternion(spread) - Plane::from_angle(9.0 * rotation.x)) < 1e-14);
             prop_assert!(Linear::length(spread * Solid::X - Plane::from_angle(9.0 * rotation.x).extend(0.0)) < 1e-14);
             let planar = Rotor::<Plane>::rotated(Plane::X, 0.3 * rotation.x).turn(vector.truncate());
             let expected = Plane::from_angle(0.3 * rotation.x).rotate(vector.truncate());
@@ -382,7 +383,7 @@ mod tests {
         fn the_length_of_a_rotor_stays_one(rotation in solid(), numbers in (0.0..1.0, 0.0..1.0, 0.0..1.0)) {
             let mut rotor: Quaternion = Rotor::<Solid>::from_uniform([numbers.0, numbers.1, numbers.2]);
             prop_assert!((rotor.length() - 1.0).abs() < 1e-14);
-            let mut planar = Rotor::<Plane>::from_uniform([numbers.0, 0.0, 0.0]);
+            let mut planar = <Plane as Rotor<Plane>>::from_uniform([numbers.0, 0.0, 0.0]);
             for _ in 0..1000 {
                 rotor = rotor.freely_turned(rotation, Solid::new(1.0, 0.5, 0.2), 0.3);
                 planar = Rotor::<Plane>::rotated(planar, rotation.x);

@@ -110,13 +110,10 @@ impl<T: Linear> Accumulator<T> {
         }
     }
 
-    /// Sets all numbers of entry `i`, if the entry exists and has this length.
+    /// Returns all entries as arrays of `NUMBERS` numbers, to write. Empty if the entries have another length.
     #[inline]
-    pub(crate) fn set_entry<const NUMBERS: usize>(&mut self, i: usize, numbers: [T; NUMBERS]) {
-        debug_assert_eq!(NUMBERS, self.per_entry, "the length of entries");
-        if let Some(entry) = self.numbers.as_chunks_mut().0.get_mut(i) {
-            *entry = numbers;
-        }
+    pub(crate) fn entries_mut<const NUMBERS: usize>(&mut self) -> &mut [[T; NUMBERS]] {
+        if NUMBERS == self.per_entry { self.numbers.as_chunks_mut().0 } else { &mut [] }
     }
 
     /// Returns all entries as arrays of `NUMBERS` numbers. Empty if the entries have another length.

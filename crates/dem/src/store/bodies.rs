@@ -13,12 +13,7 @@
 //! So a scene without shapes has the second and the fourth kind alone, and pays for nothing. A body has its row like any grain: its mass,
 //! velocity, force and id. Its spheres have rows like grains on which contacts act: place, velocity, spin and radius, and 1/m of the body.
 //!
-//! * *Scatter* ([`ParticleStore::scatter_bodies`]), after the drift: a sphere at b in the body is at X + R b and moves with V + w x R b. In the
-//!   middle of a step it moves with its displacement over dt, so that springs follow the positions.
-//! * *Gather* ([`ParticleStore::gather_bodies`]), after the contacts: F = sum F_a, T = sum (T_a + R b_a x F_a), in the shape's order, so that the
-//!   sums do not depend on the order of rows.
-//!
-//! A body wraps at a periodic side by its centre. Its spheres wrap one by one; arms come from the orientation, not from positions.
+//! `store/body_motion.rs` moves the spheres with their bodies, and sums their loads.
 
 use std::sync::Arc;
 
@@ -28,9 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::{RigidShape, Shape};
 use crate::particle::GrainId;
 use crate::space::{Linear, Plane, Rotor, Space};
-use crate::store::longest_move::LongestMove;
-use crate::store::prediction::swept_radius;
-use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
+use crate::store::ParticleStore;
 
 /// The place of a body among the bodies: free bodies first, each in the order of its row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,7 +33,7 @@ impl BodySlot {
     /// A row that is no sphere of a body has this body.
     const NONE: Self = Self(u32::MAX);
 
-    fn of(index: usize) -> Self {
+    pub(super) fn of(index: usize) -> Self {
         u32::try_from(index).map_or(Self::NONE, Self)
     }
 
@@ -111,9 +104,9 @@ pub struct BodyColumns<V: Space = Plane> {
     /// The longest move of a centre in the last drift, m.
     pub(crate) drifted: f64,
     /// Start of the spheres of each body in `rows`, and their end.
-    starts: Vec<u32>,
+    pub(super) starts: Vec<u32>,
     /// The rows of the spheres, body by body in the shape's order.
-    rows: Vec<u32>,
+    pub(super) rows: Vec<u32>,
     /// The first row that can be a sphere of a body.
     pub(super) first_sphere: usize,
     /// The end of the rows of spheres.
@@ -121,7 +114,7 @@ pub struct BodyColumns<V: Space = Plane> {
     /// What each row from `first_sphere` on is.
     spheres: Vec<SphereOfBody>,
     /// The place of each of these spheres from the centre of its body, m.
-    arm: Vec<V>,
+    pub(super) arm: Vec<V>,
 }
 
 impl<V: Space> Default for BodyColumns<V> {
@@ -281,30 +274,6 @@ impl<V: Space> ParticleStore<V> {
         rows.contains(&i) && rows.contains(&j) && self.id[i] != self.id[j]
     }
 
-    /// Sets the numbers of all spheres that follow from their bodies: radius, 1/m, species, place and motion.
-    pub(super) fn renew_spheres(&mut self) {
-        for body in self.bodies.all() {
-            let row = self.row_of_body(body);
-            let b = body.index();
-            let scale = self.bodies.scale[b];
-            let spin = self.rotation.get(row).map_or(V::Spin::ZERO, |rotation| rotation.spin);
-            let mean = self.bodies.inverse_inertia[b].sum_of_components() / number_of::<V>();
-            for (number, &sphere) in self.bodies.rows_of(body).to_vec().iter().enumerate() {
-                let sphere = sphere as usize;
-                self.body[sphere].radius = self.bodies.shape_of(body).spheres[number].radius * scale;
-                self.body[sphere].inverse_mass = self.body[row].inverse_mass;
-                self.mass[sphere] = 0.0;
-                self.species[sphere] = self.species[row];
-                self.entity[sphere] = self.entity[row];
-                if let Some(rotation) = self.rotation.get_mut(sphere) {
-                    rotation.spin = spin;
-                    rotation.inverse_inertia = if self.body[row].inverse_mass > 0.0 { mean } else { 0.0 };
-                }
-            }
-            self.place_spheres(body, &mut LongestMove::default());
-        }
-    }
-
     /// The ends of the kinds of rows.
     pub(super) fn layout(&self) -> Layout {
         Layout {
@@ -313,171 +282,6 @@ impl<V: Space> ParticleStore<V> {
             free: self.free_end,
             contacts: self.contact_rows().end,
             all: self.len(),
-        }
-    }
-
-    /// Sets the places of all spheres from the centres of their bodies.
-    pub(super) fn renew_arms(&mut self) {
-        for body in self.bodies.all() {
-            let rotor = self.bodies.rotor[body.index()];
-            for number in 0..self.bodies.rows_of(body).len() {
-                let sphere = self.bodies.rows_of(body)[number] as usize;
-                let arm = rotor.turn(self.bodies.shape_of(body).spheres[number].at * self.bodies.scale[body.index()]);
-                self.bodies.arm[sphere - self.bodies.first_sphere] = arm;
-            }
-        }
-    }
-
-    /// Places the spheres of a body by its present place and motion. Includes their moves in `longest`.
-    pub(super) fn place_spheres(&mut self, body: BodySlot, longest: &mut LongestMove) {
-        let row = self.row_of_body(body);
-        let centre = self.body[row].position;
-        let velocity = self.body[row].velocity;
-        let middle = self.middle_velocity(row);
-        let spin = self.spin(row);
-        let middle_spin = self.middle_spin(row);
-        let rotor = self.bodies.rotor[body.index()];
-        for number in 0..self.bodies.rows_of(body).len() {
-            let sphere = self.bodies.rows_of(body)[number] as usize;
-            let arm = rotor.turn(self.bodies.shape_of(body).spheres[number].at * self.bodies.scale[body.index()]);
-            self.bodies.arm[sphere - self.bodies.first_sphere] = arm;
-            self.put(sphere, centre + arm, longest);
-            if self.is_ahead(sphere) {
-                let middle = middle + arm.turned_by(middle_spin);
-                V::set_middle(middle, &mut self.body[sphere].middle, &mut self.prediction.middle[sphere]);
-                if let Some(middle) = self.prediction.middle_spin.get_mut(sphere) {
-                    *middle = middle_spin;
-                }
-            }
-            self.body[sphere].velocity = velocity + arm.turned_by(spin);
-            if let Some(rotation) = self.rotation.get_mut(sphere) {
-                rotation.spin = spin;
-            }
-            let moved = 2.0 * self.prediction.velocities_ahead * self.middle_velocity(sphere).length();
-            self.widen_margins(sphere, moved);
-        }
-    }
-
-    /// Moves the spheres of free bodies after a drift of `dt`, s.
-    pub(crate) fn scatter_bodies(&mut self, dt: f64) {
-        let predicts = self.predicts();
-        let per_time = 1.0 / dt;
-        let mut longest = LongestMove::default();
-        for b in 0..self.bodies.free {
-            let body = BodySlot::of(b);
-            let centre = self.body[b];
-            let middle = self.middle_velocity(b);
-            let rotation = self.rotation[b];
-            let middle_spin = self.middle_spin(b);
-            let rotor = self.bodies.rotor[b];
-            let scale = self.bodies.scale[b];
-            for number in 0..self.bodies.rows_of(body).len() {
-                let row = self.bodies.rows_of(body)[number] as usize;
-                let arm = rotor.turn(self.bodies.shape_of(body).spheres[number].at * scale);
-                let place = row - self.bodies.first_sphere;
-                let moved = middle * dt + (arm - self.bodies.arm[place]);
-                self.bodies.arm[place] = arm;
-                let squared = longest.raise(moved);
-                let mut position = centre.position + arm;
-                if let Some(periodic) = &self.periodic {
-                    periodic.wrap(&mut position);
-                }
-                let sphere = &mut self.body[row];
-                sphere.position = position;
-                // In the middle of the step.
-                sphere.velocity = moved * per_time;
-                if predicts {
-                    let predicted = centre.velocity + arm.turned_by(rotation.spin);
-                    let middle = std::mem::replace(&mut sphere.velocity, predicted);
-                    V::set_middle(middle, &mut sphere.middle, &mut self.prediction.middle[row]);
-                    self.prediction.middle_spin[row] = middle_spin;
-                    if let Some(swept) = self.prediction.swept.get_mut(row) {
-                        *swept = swept_radius(sphere.radius, squared.sqrt(), self.prediction.range);
-                    }
-                }
-                self.rotation[row].spin = rotation.spin;
-            }
-        }
-        let longest = longest.length();
-        // The drift has counted the moves of all centres. The longest move of all particles counts; NaN stays.
-        let beyond = longest - self.bodies.drifted;
-        self.travel += if beyond <= 0.0 { 0.0 } else { beyond };
-        if predicts {
-            self.widen_margin(longest);
-        }
-    }
-
-    /// Gives the spheres of free bodies the velocities of the step's end, after the kick.
-    pub(crate) fn scatter_velocities(&mut self) {
-        for b in 0..self.bodies.free {
-            let velocity = self.body[b].velocity;
-            let spin = self.rotation[b].spin;
-            for &row in self.bodies.rows_of(BodySlot::of(b)) {
-                let row = row as usize;
-                self.body[row].velocity = velocity + self.bodies.arm(row).turned_by(spin);
-                self.rotation[row].spin = spin;
-            }
-        }
-    }
-
-    /// Sets the orientation of the body in row `i`, which keeps its spin. A rotor without a direction counts as a number that is not finite.
-    pub(super) fn set_orientation(&mut self, i: usize, rotor: V::Rotor, longest: &mut LongestMove) {
-        let Some(body) = self.body_of_row(i) else { return };
-        let Some(rotor) = rotor.normalised() else {
-            self.is_suspect = true;
-            return;
-        };
-        let b = body.index();
-        let inverse_inertia = self.bodies.inverse_inertia[b];
-        let middle = self.bodies.rotor[b].spin(self.bodies.momentum[b], inverse_inertia);
-        self.bodies.momentum[b] = rotor.momentum(middle, inverse_inertia);
-        self.bodies.rotor[b] = rotor;
-        self.place_spheres(body, longest);
-    }
-
-    /// Adds the forces and torques of the spheres to those of their bodies.
-    pub(crate) fn gather_bodies(&mut self) {
-        if self.tracks_energy {
-            self.gather::<TOTAL_AND_DISSIPATIVE>();
-        } else {
-            self.gather::<TOTAL>();
-        }
-    }
-
-    fn gather<const NUMBERS: usize>(&mut self) {
-        for body in self.bodies.all() {
-            let row = self.row_of_body(body);
-            let mut force = self.loads.force.entries::<NUMBERS>()[row];
-            let mut torque = [V::Spin::ZERO; NUMBERS];
-            for &sphere in self.bodies.rows_of(body) {
-                let sphere = sphere as usize;
-                let arm = self.bodies.arm(sphere);
-                let forces = self.loads.force.entries::<NUMBERS>()[sphere];
-                let torques =
-                    self.loads.torque.entries::<NUMBERS>().get(sphere).copied().unwrap_or([V::Spin::ZERO; NUMBERS]);
-                for number in 0..NUMBERS {
-                    force[number] += forces[number];
-                    torque[number] += torques[number] + arm.cross(forces[number]);
-                }
-            }
-            self.loads.force.set_entry(row, force);
-            self.loads.torque.set_entry(row, torque);
-            if !self.loads.rolling_drag.is_empty() {
-                let rows = self.bodies.rows_of(body);
-                let sum = rows.iter().map(|&sphere| self.loads.rolling_drag[sphere as usize]).sum();
-                self.loads.rolling_drag[row] = sum;
-                rows.iter().for_each(|&sphere| self.loads.rolling_drag[sphere as usize] = V::Spin::ZERO);
-            }
-        }
-    }
-
-    /// Gives all spheres of a body the number of contacts of the body: lone is a property of bodies.
-    pub(crate) fn share_contact_counts(&mut self) {
-        let contacts = &mut self.loads.contacts;
-        for body in self.bodies.all() {
-            let rows = self.bodies.rows_of(body);
-            let sum = rows.iter().fold(0_u16, |sum, &sphere| sum.saturating_add(contacts[sphere as usize]));
-            rows.iter().for_each(|&sphere| contacts[sphere as usize] = sum);
         }
     }
 
@@ -532,10 +336,4 @@ impl<V: Space> ParticleStore<V> {
         self.bodies.scale[body.index()] = scale;
         self.bodies.inverse_inertia[body.index()] = inverse_inertia;
     }
-}
-
-/// Number of components of the principal moments.
-#[expect(clippy::cast_precision_loss, reason = "one or three")]
-fn number_of<V: Space>() -> f64 {
-    V::Principal::COUNT as f64
 }

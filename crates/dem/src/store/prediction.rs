@@ -131,7 +131,6 @@ impl<V: Space> ParticleStore<V> {
         // NaN counts as no move: the finite-value check reports it at the end of the step.
         self.prediction.margin = 0f64.max(longest * ROUNDING);
         self.prediction.swept.iter_mut().skip(first).for_each(|swept| *swept = 0.0);
-        // The drift is followed by the scatter of spheres of bodies, which widens the margins by their moves.
         for i in first..self.body.len() {
             self.widen_margins(i, dt * self.body[i].velocity.length());
         }

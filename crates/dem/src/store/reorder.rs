@@ -94,8 +94,8 @@ impl<V: Space> Entering<V> {
         let Properties { id, radius, .. } = properties;
         let entity = row.entity;
         let position = row.position.0;
-        let shaped = row.shape.and_then(|(shape, rotor)| Some((shapes.get(shape.index())?, rotor.0)));
-        let Some((shape, rotor)) = shaped else {
+        let form = row.shape.and_then(|(shape, rotor)| Some((shapes.get(shape.index())?, rotor.0)));
+        let Some((shape, rotor)) = form else {
             let kind = if properties.is_fixed() { Kind::FixedSphere } else { Kind::FreeGrain };
             entering.push(Self { entity, id, kind, number: NO_SPHERE, radius, position });
             return;
