@@ -73,6 +73,19 @@ impl GrainId {
         number.checked_add(Self::FIRST_WALL).map(Self)
     }
 
+    /// The id as a number. The order is the same.
+    #[inline]
+    pub(crate) fn bits(self) -> u64 {
+        self.0.into()
+    }
+
+    /// The id of the number that [`Self::bits`] gives.
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "the number of an id")]
+    pub(crate) fn of_bits(bits: u64) -> Self {
+        Self(bits as u32)
+    }
+
     /// The number among particles of this kind: grains as in their file, wall grains from 1.
     #[must_use]
     pub fn number(self) -> u32 {

@@ -46,7 +46,7 @@ pub const SCENES: [Shipped; 24] = [
     scene!("silo3d", "10,000 frictional spheres in a wedge hopper with a slot"),
     scene!("round-silo", "3000 frictional spheres in a cylinder with a cone and a circular outlet"),
     scene!("fed-hopper", "a round hopper of parametric dimensions, fed at a rate, then discharged"),
-    scene!("rice-silo", "150 grains of rice, rigid bodies of five spheres, in a round silo"),
+    scene!("rice-silo", "500 grains of rice, rigid bodies of seven spheres, in a round silo"),
     scene!("drum", "300 frictional spheres in a rotating drum with lifters"),
     scene!("bed3d", "a periodic bed of 10,000 frictional spheres"),
     scene!("chute3d", "spheres flow down a rough incline, periodic sides"),

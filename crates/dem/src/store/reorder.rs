@@ -126,9 +126,23 @@ impl Kind {
 struct SlotKey {
     kind: Kind,
     place: Place,
-    id: GrainId,
-    /// Number in the shape of a body, or [`NO_SPHERE`].
-    number: u16,
+    /// The id, then the number in the shape of a body, or [`NO_SPHERE`].
+    of_grain: u64,
+}
+
+impl SlotKey {
+    fn new(kind: Kind, place: Place, id: GrainId, number: u16) -> Self {
+        Self { kind, place, of_grain: id.bits() << 16 | u64::from(number) }
+    }
+
+    fn id(&self) -> GrainId {
+        GrainId::of_bits(self.of_grain >> 16)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "the lowest bits are the number")]
+    fn number(&self) -> u16 {
+        self.of_grain as u16
+    }
 }
 
 /// A particle that gets a slot.
@@ -163,9 +177,9 @@ impl<V: Space> ParticleStore<V> {
         };
         // Which rows are spheres of bodies.
         let in_bodies = if layout.has_bodies() { &takers[layout.grains..layout.contacts] } else { &[] };
-        let spheres: Vec<_> = in_bodies.iter().map(|taker| (taker.key.id, taker.key.number)).collect();
+        let spheres: Vec<_> = in_bodies.iter().map(|taker| (taker.key.id(), taker.key.number())).collect();
         self.id.clear();
-        self.id.extend(takers.iter().map(|taker| taker.key.id));
+        self.id.extend(takers.iter().map(|taker| taker.key.id()));
         self.former.clear();
         let former = |source: u32| if (source as usize) < rows { Slot::new(source) } else { Slot::default() };
         self.former.extend(takers.iter().map(|taker| former(taker.source)));
@@ -266,12 +280,12 @@ impl<V: Space> ParticleStore<V> {
             };
             let place = self.order.place(self.body[i].position);
             let number = sphere.map_or(NO_SPHERE, |sphere| sphere.number);
-            SlotTaker { key: SlotKey { kind, place, id: self.id[i], number }, source }
+            SlotTaker { key: SlotKey::new(kind, place, self.id[i], number), source }
         });
         let first = u32::try_from(self.len()).expect("fewer than 2^32 particles");
         let new = (first..).zip(entering).map(|(source, &Entering { id, kind, number, position, .. })| {
             let place = self.order.place(position);
-            SlotTaker { key: SlotKey { kind, place, id, number }, source }
+            SlotTaker { key: SlotKey::new(kind, place, id, number), source }
         });
         let mut takers: Vec<_> = Vec::with_capacity(self.len() + entering.len());
         takers.extend(known.chain(new));
