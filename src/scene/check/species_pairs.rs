@@ -13,7 +13,8 @@
 //!   alone: by z of them, or by two opposite ones if the scene has no more. Then tangents, rolling and twisting take part in the same turn.
 //!
 //! Masses are taken from the grains at the start, and from the radii that the spawner will choose. A grain of a shape counts with its
-//! smallest effective mass, that of a contact at its end, and with its smallest sphere.
+//! smallest effective mass, that of a contact at its end, and with its smallest sphere. If it has so many spheres that they are stiffer together
+//! when it lies flat, all springs count that much more.
 
 use crate::grains::feed::Feed;
 use crate::grains::shaped::ShapeFacts;
@@ -35,13 +36,26 @@ const DRAWN: u32 = 10_000;
 pub(super) struct Body {
     pub mass: f64,
     pub radius: f64,
+    /// Springs that act at once in a contact with a flat partner, times the share of the mass that `mass` is: 1 for a sphere.
+    springs: f64,
 }
 
 impl Body {
-    /// Returns the lightest contact of a grain of a shape: its smallest effective mass, at its smallest sphere. Without a shape the
-    /// body itself.
+    /// A body that is one sphere, or a wall.
+    pub(super) fn sphere(mass: f64, radius: f64) -> Self {
+        Self { mass, radius, springs: 1.0 }
+    }
+
+    /// Returns the lightest contact of a grain of a shape: its smallest effective mass, at its smallest sphere. A grain that lies flat has
+    /// its whole mass on as many springs as it has spheres. Without a shape it is the body itself.
     fn of_shape(self, facts: Option<&ShapeFacts>) -> Self {
-        facts.map_or(self, |facts| Self { mass: self.mass / facts.mobility, radius: self.radius * facts.factors()[1] })
+        let Some(facts) = facts else { return self };
+        let count = u32::try_from(facts.count).map_or(f64::INFINITY, f64::from);
+        Self {
+            mass: self.mass / facts.mobility,
+            radius: self.radius * facts.factors()[1],
+            springs: (count / facts.mobility).max(1.0),
+        }
     }
 }
 
@@ -57,6 +71,8 @@ pub struct SpeciesPair {
     pub is_wall: bool,
     /// Whether the scene has at most two walls, which can only hold a grain between them.
     few_walls: bool,
+    /// The larger number of springs of the two bodies.
+    springs: f64,
     /// I/(m R^2).
     inertia: f64,
     /// m R_eff^2 (1/I_i + 1/I_j).
@@ -83,6 +99,7 @@ impl SpeciesPair {
             species: (a, b),
             is_wall: second.mass.is_infinite(),
             few_walls: has_few_walls(loaded),
+            springs: first.springs.max(second.springs),
             inertia,
             rolling: (turning(first) + turning(second)) / inertia,
         }
@@ -139,6 +156,7 @@ impl SpeciesPair {
     }
 
     fn lone(&self, scheme: Integrator, &Pull { weight, k, c, .. }: &Pull) -> f64 {
+        let weight = self.springs * weight;
         step::limit(scheme, weight * k, weight * c, self.bounce.reduced_mass)
     }
 
@@ -199,12 +217,13 @@ impl SpeciesPair {
             (false, Dimension::Plane) => [3.0, 3.0, 6.0, 0.0],
             (false, Dimension::Solid) => [4.0, 8.0, 8.0, 4.0],
         };
+        let springs = self.springs;
         BedWeights {
-            normal,
-            sliding,
-            turning: turning / self.inertia,
-            rolling: turning * self.rolling,
-            twisting: twisting * self.rolling,
+            normal: springs * normal,
+            sliding: springs * sliding,
+            turning: springs * turning / self.inertia,
+            rolling: springs * turning * self.rolling,
+            twisting: springs * twisting * self.rolling,
         }
     }
 }
@@ -252,7 +271,7 @@ fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
     let mut species: Vec<(u8, Body, Option<Body>)> = Vec::new();
     let start = loaded.grains.iter().map(|grain| {
         let facts = grain.posture.and_then(|posture| loaded.shapes.facts_of(posture.shape));
-        (grain.species.0, Body { mass: grain.mass, radius: grain.radius }.of_shape(facts))
+        (grain.species.0, Body::sphere(grain.mass, grain.radius).of_shape(facts))
     });
     for (number, body) in start.chain(to_come(loaded)).chain(fed(loaded)) {
         match species.iter_mut().find(|entry| entry.0 == number) {
@@ -271,7 +290,7 @@ fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
     let of_feed = |feed: &Feed| {
         let law = feed.mass.unwrap_or(law);
         let facts = feed.shaped.as_ref().map(|shaped| &shaped.facts);
-        let two = |species: u8, radius: f64| [(species, Body { mass: law.of(radius), radius }.of_shape(facts)); 2];
+        let two = |species: u8, radius: f64| [(species, Body::sphere(law.of(radius), radius).of_shape(facts)); 2];
         match &feed.radius {
             RadiusLaw::Mixture(sizes) => {
                 let sizes = (feed.species..=u8::MAX).zip(sizes).filter(|(_, (_, share))| share.get() > 0.0);
@@ -287,7 +306,7 @@ fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
 fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some((spawner, law)) = loaded.scene.spawner.as_ref().zip(loaded.scene.mass) else { return Vec::new() };
     let facts = spawner.shaped.as_ref().map(|shaped| &shaped.facts);
-    let body = |radius: f64| Body { mass: law.of(radius), radius }.of_shape(facts);
+    let body = |radius: f64| Body::sphere(law.of(radius), radius).of_shape(facts);
     let two = |count: u32, species: u8, radius: f64| (0..count.min(2)).map(move |_| (species, body(radius)));
     match &spawner.radius {
         RadiusLaw::Fixed(radius) => two(spawner.count, 0, radius.get()).collect(),
@@ -328,7 +347,7 @@ fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
     for (species, radius) in own.chain(silo).chain(fixed) {
         match walls.iter_mut().find(|wall| wall.0 == species) {
             Some(wall) => wall.1.radius = wall.1.radius.max(radius),
-            None => walls.push((species, Body { mass: f64::INFINITY, radius })),
+            None => walls.push((species, Body::sphere(f64::INFINITY, radius))),
         }
     }
     walls
@@ -469,7 +488,7 @@ mod tests {
             let keys = format!("contact: {contact}, mass: Sphere(2500.0), step: Fixed(1.0e-7)");
             scene(&format!("{keys}, {}", spawner(2, "Fixed(0.1)"))).unwrap()
         };
-        let bodies = [(0, Body { mass: 1.0, radius: 0.1 }), (0, Body { mass: 3.0, radius: 0.3 })];
+        let bodies = [(0, Body::sphere(1.0, 0.1)), (0, Body::sphere(3.0, 0.3))];
         let stiffness = |contact: &str, overlap: f64| {
             let pair = SpeciesPair::pressed(&scene(contact), bodies, overlap);
             pair.law.0.stiffness(&pair.bounce)

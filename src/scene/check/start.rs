@@ -34,7 +34,7 @@ impl Body {
     /// The body as a partner of a contact.
     fn partner(&self) -> (u8, species_pairs::Body) {
         let mass = self.grain.map_or(f64::INFINITY, |(mass, _)| mass);
-        (self.species, species_pairs::Body { mass, radius: self.radius })
+        (self.species, species_pairs::Body::sphere(mass, self.radius))
     }
 }
 

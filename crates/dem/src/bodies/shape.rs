@@ -17,7 +17,8 @@ use crate::bodies::sphere_union::{self, Ball};
 use crate::bodies::symmetric::Symmetric;
 use crate::space::{Dimension, Linear, Plane, Rotor, Solid, Space};
 
-/// The number of a grain's shape in the scene's list of shapes. A grain without it is a sphere (disc).
+/// The number of a grain's shape in the scene's list of shapes. A grain without it is a sphere (disc). It counts when the grain enters, and a grain
+/// keeps it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize, Serialize)]
 #[component(immutable)]
 pub struct Shape(pub u16);

@@ -44,7 +44,7 @@ pub(super) fn examine<V: Space>(
         let near = surfaces.near(x, body.radius);
         for wall in near.iter().take_while(|_| !budget.is_spent()).map(|number| &surfaces.all[number]) {
             let overlap = body.radius - wall.surface.distance(x);
-            let flat = species_pairs::Body { mass: f64::INFINITY, radius: f64::INFINITY };
+            let flat = species_pairs::Body::sphere(f64::INFINITY, f64::INFINITY);
             if overlap > 0.0 {
                 add(&[body], [body.partner(), (wall.species.0, flat)], overlap);
             }
