@@ -27,7 +27,7 @@
 //! Every module that derives `Component`, `Resource`, `Message`, `Bundle`, `SystemSet`, `SystemParam` or `QueryData`
 //! needs `use siloflow::prelude::*;`. These derives name the crate `bevy_ecs`, which the prelude exports. (A crate with
 //! its own dependency on `bevy_ecs` needs the version that siloflow uses.) `examples/outside` in the repository is an
-//! example: air drag, temperatures with conduction at contacts, a cohesive contact law, and an attraction on top of any
+//! example: air drag, temperatures with conduction at contacts, a cohesive contact law, one with memory, and an attraction on top of any
 //! law.
 //!
 //! A program registers the type that is read from the keys of the scene, and passes the registry to

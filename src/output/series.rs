@@ -1,5 +1,5 @@
 //! `series.csv`: a row every `series.interval` seconds, and a row at the end of the run. Each row is flushed at once,
-//! so that it survives a crash of the run. `COLUMNS` and `BALANCE` have the columns.
+//! so that it survives a crash of the run. `COLUMNS`, `BALANCE` and `STATE` have the columns.
 //!
 //! The columns of the energy flows and of the balance error exist only if the scene tracks the energy balance. Further columns are those
 //! that behaviours [register](crate::measure::outputs).

@@ -10,7 +10,7 @@
 //! The bond hardens with h = age/(age + tau) d/(d + l), with the largest overlap d. k and k_b are in N/m, c in N s/m, l in m, tau in s.
 //!
 //! Limits: the force along s acts between the centres, without torques. The energy balance leaves out the energy that a hardening bond
-//! gains.
+//! gains, and that of s when a bond breaks.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -88,7 +88,7 @@ pub trait Shape<V: Space> {
     /// Returns the lowest and the highest coordinates of the shape, m; `None` if it has no ends.
     fn bounds(&self) -> Option<[V; 2]>;
 
-    /// Returns where the straight path passes through the shape, as a share of the path (0 to 1); `None` if it does not,
+    /// Returns where the straight path first passes through the shape, as a share of the path (0 to 1); `None` if it does not,
     /// or if the shape has no area.
     fn crossing(&self, from: V, to: V) -> Option<f64>;
 
