@@ -75,7 +75,7 @@ fn dissipation<V: Space>(store: &ParticleStore<V>, walls: &Surfaces<V>) -> Optio
         return None;
     }
     let grains = store.integrated_rows();
-    let fixed = store.free_end..store.contact_rows().end;
+    let fixed = store.fixed_rows();
     let force = store.loads.force.entries();
     // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
     let of_grains = store
@@ -104,7 +104,7 @@ pub(super) fn add_contact_work<V: Space>(
     mut last: ResMut<Powers>,
 ) {
     let mut wall = 0.0;
-    let fixed = store.free_end..store.contact_rows().end;
+    let fixed = store.fixed_rows();
     for (i, body) in fixed.clone().zip(&store.body[fixed]).filter(|(_, body)| body.velocity != V::ZERO) {
         let added = store.added.get(i).copied().unwrap_or(V::ZERO);
         wall -= (store.loads.force.of(i) - added).dot(body.velocity);
@@ -127,7 +127,7 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
         return None;
     }
     let grains = store.integrated_rows();
-    let fixed = store.free_end..store.contact_rows().end;
+    let fixed = store.fixed_rows();
     let torque = store.loads.torque.entries();
     // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
     let of_grains = store

@@ -50,6 +50,12 @@ impl ShapeFacts {
     pub fn factors(&self) -> [f64; 2] {
         self.spheres.map(|radius| radius / self.equivalent_radius)
     }
+
+    /// Returns the reach (m) of a grain of the equivalent radius `radius`, m.
+    #[must_use]
+    pub fn reach_of(&self, radius: f64) -> f64 {
+        radius * (self.reach / self.equivalent_radius)
+    }
 }
 
 /// The shapes of a scene, in the order of their numbers.
@@ -166,7 +172,7 @@ impl Shaped {
     /// Returns the reach (m) of a grain of the equivalent radius `radius`, m.
     #[must_use]
     pub fn reach(&self, radius: f64) -> f64 {
-        radius * (self.facts.reach / self.facts.equivalent_radius)
+        self.facts.reach_of(radius)
     }
 
     /// Returns the posture of a grain of this equivalent radius (m), from three uniform random numbers.

@@ -299,6 +299,13 @@ impl<V: Space> ParticleStore<V> {
         if self.bodies.is_empty() { 0..self.len() } else { self.bodies.free..self.bodies.contact_end }
     }
 
+    /// The rows of fixed spheres: fixed particles that are one sphere, and spheres of fixed bodies.
+    #[must_use]
+    #[inline]
+    pub fn fixed_rows(&self) -> Range<usize> {
+        self.free_end..self.contact_rows().end
+    }
+
     /// The rows that the integrator moves, each by its own force and torque. Kicks and drifts use these rows, and so do sums and
     /// counts over grains, because each such row is one grain with its mass and its energy of motion. Free bodies come first.
     #[must_use]

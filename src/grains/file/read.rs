@@ -234,8 +234,7 @@ impl Line<'_> {
         } else {
             Quaternion::from_rotation_z(any("angle")?)
         };
-        let reach = radius * (facts.reach / facts.equivalent_radius);
-        Ok((radius, Some(Posture { shape, rotor: described * facts.axes, reach })))
+        Ok((radius, Some(Posture { shape, rotor: described * facts.axes, reach: facts.reach_of(radius) })))
     }
 
     fn grain(&self) -> Result<GrainRow, Defect> {

@@ -18,11 +18,11 @@ struct SourceKeys<'a> {
     scale: Option<&'a RadiusLaw>,
     orientation: Option<OrientationLaw>,
     radius: &'a RadiusLaw,
-    /// Key of the source in the scene, with a dot or without.
+    /// Key of the source in the scene, such as `feed[0]`.
     key: String,
 }
 
-/// What the keys of a source mean.
+/// The shape and the sizes of the grains of a source, from its keys.
 struct Resolved {
     shaped: Option<Shaped>,
     radius: RadiusLaw,

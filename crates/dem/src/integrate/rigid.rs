@@ -4,7 +4,7 @@
 //! ([`Rotor::freely_turned`]), and a second half kick ends the step. Without torques L is constant to the last bit. The scheme is of second
 //! order, symplectic and time-reversible, as velocity Verlet is for the centres.
 //!
-//! The spheres then follow their bodies (`store/bodies.rs`). Their velocities at the end of a step are set only if the kick is not deferred, that
+//! The spheres then follow their bodies (`store/body_motion.rs`). Their velocities at the end of a step are set only if the kick is not deferred, that
 //! is, if a system reads velocities.
 
 use std::sync::Arc;

@@ -15,7 +15,7 @@
 //! the most similar moments, so the error is proportional to their difference: the step is exact for bodies of revolution. The order is 2,
 //! |L| is kept because L is not touched, and the error of the energy does not grow.
 //!
-//! The tangent of half an angle x is a series with a relative error below x^8/1e6. It calls no function of the system's library, so that all
+//! The tangent of half an angle x is a series with a relative error below x^14/1e7 for x < 1. The series calls no function of the system's library, so that all
 //! machines get the same bits. Another function of the angle turns the body at a slightly different rate, and keeps the symplectic form.
 
 use serde::Serialize;
@@ -40,14 +40,6 @@ pub trait Rotor<V: Space>: Copy + Debug + PartialEq + Send + Sync + Serialize + 
     /// Returns the orientation after a rotation by `rotation` (axis times angle, rad) in space.
     #[must_use]
     fn rotated(self, rotation: V::Spin) -> Self;
-
-    /// Returns this orientation of a body whose own vectors are `inner` turned.
-    #[must_use]
-    fn after(self, inner: Self) -> Self;
-
-    /// Returns the inverse rotation.
-    #[must_use]
-    fn inverse(self) -> Self;
 
     /// Returns the angular velocity (rad/s) of a body with the angular momentum `momentum`, kg m^2/s.
     #[must_use]
@@ -113,16 +105,6 @@ impl Rotor<Plane> for Plane {
         let turned = self.rotate(Self::new(1.0 - squared, 2.0 * tangent) / (1.0 + squared));
         // One step of Newton's method keeps the length.
         turned * (1.5 - 0.5 * Linear::length_squared(turned))
-    }
-
-    #[inline]
-    fn after(self, inner: Self) -> Self {
-        self.rotate(inner)
-    }
-
-    #[inline]
-    fn inverse(self) -> Self {
-        Self::new(self.x, -self.y)
     }
 
     #[inline(always)]
@@ -231,16 +213,6 @@ impl Rotor<Solid> for Quaternion {
     fn rotated(self, rotation: Solid) -> Self {
         let turned = quaternion(rotation) * self;
         turned * (1.5 - 0.5 * turned.length_squared())
-    }
-
-    #[inline]
-    fn after(self, inner: Self) -> Self {
-        self * inner
-    }
-
-    #[inline]
-    fn inverse(self) -> Self {
-        self.conjugate()
     }
 
     #[inline(always)]
@@ -357,8 +329,8 @@ mod tests {
             prop_assume!(angle > 1e-3);
             let turned = Rotor::<Solid>::rotated(Quaternion::IDENTITY, rotation).turn(vector);
             let expected = Quaternion::from_axis_angle(rotation / angle, angle) * vector;
-            // The series has a relative error below x^14 1e-6 at x = 1.7.
-            prop_assert!(Linear::length(turned - expected) < 1e-4 * angle.powi(8) + 1e-13);
+            // The next term of the series is 8.9e-8 x^14 of the first. Up to x = 1.74 the terms after it add two fifths.
+            prop_assert!(Linear::length(turned - expected) < 3e-7 * angle.powi(14) + 1e-13);
             let spread = Rotor::<Plane>::to_quaternion(Plane::from_angle(9.0 * rotation.x));
             prop_assert!(Linear::length(<Plane as Rotor<Plane>>::of_quaternion(spread) - Plane::from_angle(9.0 * rotation.x)) < 1e-14);
             prop_assert!(Linear::length(spread * Solid::X - Plane::from_angle(9.0 * rotation.x).extend(0.0)) < 1e-14);

@@ -111,7 +111,7 @@ pub struct BodyColumns<V: Space = Plane> {
     pub(super) first_sphere: usize,
     /// The end of the rows of spheres.
     pub(super) contact_end: usize,
-    /// What each row from `first_sphere` on is.
+    /// The sphere that each row from `first_sphere` on is; of no body if the row is a fixed sphere by itself.
     spheres: Vec<SphereOfBody>,
     /// The place of each of these spheres from the centre of its body, m.
     pub(super) arm: Vec<V>,

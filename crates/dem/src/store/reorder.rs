@@ -64,9 +64,9 @@ impl Properties {
     }
 }
 
-/// What a row is. Rows are in this order.
+/// The kinds of rows, in the order of the rows.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum RowKind {
     FreeBody,
     FreeGrain,
     FreeSphere,
@@ -78,7 +78,7 @@ enum Kind {
 struct Entering<V: Space> {
     entity: Entity,
     id: GrainId,
-    kind: Kind,
+    kind: RowKind,
     /// Number in the shape of a body, or [`NO_SPHERE`].
     number: u16,
     /// Radius, m.
@@ -96,11 +96,11 @@ impl<V: Space> Entering<V> {
         let position = row.position.0;
         let form = row.shape.and_then(|(shape, rotor)| Some((shapes.get(shape.index())?, rotor.0)));
         let Some((shape, rotor)) = form else {
-            let kind = if properties.is_fixed() { Kind::FixedSphere } else { Kind::FreeGrain };
+            let kind = if properties.is_fixed() { RowKind::FixedSphere } else { RowKind::FreeGrain };
             entering.push(Self { entity, id, kind, number: NO_SPHERE, radius, position });
             return;
         };
-        let [body, sphere] = Kind::of_body(properties.is_fixed());
+        let [body, sphere] = RowKind::of_body(properties.is_fixed());
         entering.push(Self { entity, id, kind: body, number: NO_SPHERE, radius, position });
         let scale = shape.scale(radius);
         entering.extend((0..).zip(&shape.spheres).map(|(number, ShapeSphere { at, radius })| Self {
@@ -114,7 +114,7 @@ impl<V: Space> Entering<V> {
     }
 }
 
-impl Kind {
+impl RowKind {
     /// Returns the kinds of a body and of its spheres.
     fn of_body(is_fixed: bool) -> [Self; 2] {
         if is_fixed { [Self::FixedBody, Self::FixedSphere] } else { [Self::FreeBody, Self::FreeSphere] }
@@ -124,14 +124,14 @@ impl Kind {
 /// Sort key of a row. Slots are in the order of these keys, which compare field by field.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SlotKey {
-    kind: Kind,
+    kind: RowKind,
     place: Place,
     /// The id, then the number in the shape of a body, or [`NO_SPHERE`].
     of_grain: u64,
 }
 
 impl SlotKey {
-    fn new(kind: Kind, place: Place, id: GrainId, number: u16) -> Self {
+    fn new(kind: RowKind, place: Place, id: GrainId, number: u16) -> Self {
         Self { kind, place, of_grain: id.bits() << 16 | u64::from(number) }
     }
 
@@ -167,12 +167,12 @@ impl<V: Space> ParticleStore<V> {
         let rows = self.len();
         self.order = self.next_order(&entering, &altered);
         let takers = self.takers(&entering, &altered);
-        let end_of = |kind: Kind| takers.partition_point(|taker| taker.key.kind <= kind);
+        let end_of = |kind: RowKind| takers.partition_point(|taker| taker.key.kind <= kind);
         let layout = Layout {
-            bodies: end_of(Kind::FreeBody),
-            grains: end_of(Kind::FreeGrain),
-            free: end_of(Kind::FreeSphere),
-            contacts: end_of(Kind::FixedSphere),
+            bodies: end_of(RowKind::FreeBody),
+            grains: end_of(RowKind::FreeGrain),
+            free: end_of(RowKind::FreeSphere),
+            contacts: end_of(RowKind::FixedSphere),
             all: takers.len(),
         };
         // Which rows are spheres of bodies.
@@ -253,7 +253,7 @@ impl<V: Space> ParticleStore<V> {
             })
         };
         let new = || {
-            let free = entering.iter().filter(|new| matches!(new.kind, Kind::FreeGrain | Kind::FreeSphere));
+            let free = entering.iter().filter(|new| matches!(new.kind, RowKind::FreeGrain | RowKind::FreeSphere));
             free.map(|entering| (entering.position, entering.radius))
         };
         let largest = known().chain(new()).map(|(_, radius)| radius).fold(0.0, f64::max);
@@ -268,13 +268,13 @@ impl<V: Space> ParticleStore<V> {
             let whole = sphere.map_or(i, |sphere| self.row_of_body(sphere.body));
             let is_fixed = altered.get(&whole).map_or(self.is_fixed(whole), Properties::is_fixed);
             let kind = match (sphere, self.body_of_row(i)) {
-                (Some(_), _) => Kind::of_body(is_fixed)[1],
-                (None, Some(_)) => Kind::of_body(is_fixed)[0],
+                (Some(_), _) => RowKind::of_body(is_fixed)[1],
+                (None, Some(_)) => RowKind::of_body(is_fixed)[0],
                 (None, None) => {
                     if is_fixed {
-                        Kind::FixedSphere
+                        RowKind::FixedSphere
                     } else {
-                        Kind::FreeGrain
+                        RowKind::FreeGrain
                     }
                 }
             };
