@@ -109,7 +109,7 @@ fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("### `walls.csv`", rows(&[walls::WALL, walls::LOADS])),
         ("### `wall_groups.csv`", rows(&[walls::GROUP, walls::LOADS])),
         ("### `wall_bands.csv`", rows(&[wall_bands::COLUMNS])),
-        ("### `profiles.csv`", rows(&[profiles::PROFILES])),
+        ("### `profiles.csv`", rows(&[profiles::PROFILES, profiles::ORIENTATIONS])),
         ("### `centres.csv`", rows(&[profiles::CENTRES])),
         ("### `flow.csv`", rows(&[flow::COLUMNS])),
         ("### `losses.csv`", rows(&[losses::COLUMNS])),

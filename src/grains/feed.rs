@@ -26,10 +26,11 @@ use self::inlet::{Inlet, Progress, Released};
 use crate::grains::mass::MassLaw;
 use crate::grains::pending::{LeftOfSpawner, Pending};
 use crate::grains::region::Region;
-use crate::grains::shaped::{OrientationLaw, Shaped};
+use crate::grains::shaped::{OrientationLaw, ShapeNames, Shaped, largest_reach, reach};
 use crate::grains::sizes::RadiusLaw;
 use siloflow_dem::messages::GrainReleased;
 use siloflow_dem::outcome::{Failure, Outcome};
+use siloflow_dem::particle::Species;
 use siloflow_dem::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Velocity};
 use siloflow_dem::particles::Particles;
 use siloflow_dem::persist::{PersistApp as _, Problem};
@@ -54,8 +55,8 @@ pub struct Feed {
     /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
     #[serde(default)]
     pub radius: RadiusLaw,
-    /// Name of the shape of these grains. Default: spheres (discs).
-    pub shape: Option<String>,
+    /// Name of the shape of these grains, or one for each size of a mixture. Default: spheres (discs).
+    pub shape: Option<ShapeNames>,
     /// Sizes over that of the shape. Default: 1.
     pub scale: Option<RadiusLaw>,
     /// Orientations of shaped grains. Default: random.
@@ -123,10 +124,20 @@ impl Feed {
         })
     }
 
-    /// Returns the radius (m) of the smallest sphere about its centre that holds a grain of this radius, m.
+    /// Returns the largest radius (m) of the smallest sphere about its centre that holds a grain.
     #[must_use]
-    pub fn reach(&self, radius: f64) -> f64 {
-        self.shaped.as_ref().map_or(radius, |shaped| shaped.reach(radius))
+    pub fn largest_reach(&self) -> f64 {
+        largest_reach(&self.radius, self.shaped.as_ref())
+    }
+
+    /// Returns the number of the size of a grain of this species.
+    pub(super) fn size_of(&self, species: Species) -> usize {
+        usize::from(species.0.saturating_sub(self.species))
+    }
+
+    /// Returns the radius (m) of the smallest sphere about its centre that holds a grain of this species and radius, m.
+    pub(super) fn reach(&self, species: Species, radius: f64) -> f64 {
+        reach(self.shaped.as_ref(), self.size_of(species), radius)
     }
 
     /// Returns the mean number of grains per second.

@@ -18,7 +18,7 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::occupied::Occupied;
-use crate::grains::shaped::{OrientationLaw, Posture, Shaped};
+use crate::grains::shaped::{OrientationLaw, Posture, ShapeNames, Shaped, largest_reach, reach};
 use crate::grains::sizes::{GrainSize, RadiusLaw};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
@@ -41,8 +41,8 @@ pub struct Fill {
     /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
     #[serde(default)]
     pub radius: RadiusLaw,
-    /// Name of the shape of these grains. Default: spheres (discs).
-    pub shape: Option<String>,
+    /// Name of the shape of these grains, or one for each size of a mixture. Default: spheres (discs).
+    pub shape: Option<ShapeNames>,
     /// Sizes over that of the shape. Default: 1.
     pub scale: Option<RadiusLaw>,
     /// Orientations of shaped grains. Default: random.
@@ -186,7 +186,7 @@ impl Fill {
                 let position = self.low.padded() + axes(cell) * spacing + displaced;
                 let id = GrainId::grain(first_id.checked_add(n)?)?;
                 let row = self.row(id, position, size, mass, axes([vx, vy, vz]));
-                Some(GrainRow { posture: self.posture(dimension, size.radius, &turns, n), ..row })
+                Some(GrainRow { posture: self.posture(dimension, size, &turns, n), ..row })
             })
             .collect()
     }
@@ -208,20 +208,21 @@ impl Fill {
         }
     }
 
-    /// Returns the posture of grain `n` with this radius, m.
-    fn posture(&self, dimension: Dimension, radius: f64, turns: &Stream, n: u32) -> Option<Posture> {
+    /// Returns the posture of grain `n` of this size.
+    fn posture(&self, dimension: Dimension, size: GrainSize, turns: &Stream, n: u32) -> Option<Posture> {
         let shaped = self.shaped.as_ref()?;
         let numbers = turns.uniform::<3>(u64::from(n));
+        let GrainSize { radius, species } = size;
         Some(match dimension {
-            Dimension::Plane => shaped.posture::<Plane>(radius, numbers),
-            Dimension::Solid => shaped.posture::<Solid>(radius, numbers),
+            Dimension::Plane => shaped.posture::<Plane>(usize::from(species.0), radius, numbers),
+            Dimension::Solid => shaped.posture::<Solid>(usize::from(species.0), radius, numbers),
         })
     }
 
-    /// Returns the radius (m) of the smallest sphere about its centre that holds a grain of this radius, m.
+    /// Returns the largest radius (m) of the smallest sphere about its centre that holds a grain.
     #[must_use]
-    pub fn reach(&self, radius: f64) -> f64 {
-        self.shaped.as_ref().map_or(radius, |shaped| shaped.reach(radius))
+    pub fn largest_reach(&self) -> f64 {
+        largest_reach(&self.radius, self.shaped.as_ref())
     }
 
     /// Like [`Fill::grains`], at random places that `occupied` and `is_clear` (of walls; centre and radius, m) leave free. The places are
@@ -253,11 +254,11 @@ impl Fill {
             let [size, _, _, _, vx, vy, vz] = sizes.uniform::<7>(u64::from(n));
             let size = self.radius.choose(size, &mut quotas);
             let Some(id) = first_id.checked_add(n).and_then(GrainId::grain) else { break };
-            let reach = self.reach(size.radius);
+            let reach = reach(self.shaped.as_ref(), usize::from(size.species.0), size.radius);
             let Some(x) = place(n, reach, occupied) else { break };
             occupied.add(x, reach);
             let row = self.row(id, x, size, mass, axes(dimension, [vx, vy, vz]));
-            rows.push(GrainRow { posture: self.posture(dimension, size.radius, &turns, n), ..row });
+            rows.push(GrainRow { posture: self.posture(dimension, size, &turns, n), ..row });
         }
         rows
     }

@@ -7,10 +7,14 @@
 //! Places are free for a shaped grain if the smallest sphere about its centre of mass that holds it is free.
 
 use std::any::Any;
+use std::fmt;
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{self, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::grains::sizes::RadiusLaw;
+use siloflow_dem::bodies::makers::Deviation;
 use siloflow_dem::bodies::{Orientation, RigidShape, Shape, ShapeSphere};
 use siloflow_dem::space::{Plane, Quaternion, Rotor, Solid, Space};
 use siloflow_dem::values::FiniteVector;
@@ -42,6 +46,19 @@ pub struct ShapeFacts {
     pub mobility: f64,
     /// Turns the principal axes into the axes of the shape as described.
     pub axes: Quaternion,
+    /// The centre of mass in the shape as described, m.
+    pub centre: Solid,
+    /// The distance of the surface from the one asked for; `None` if the scene lists the spheres.
+    pub deviation: Option<Deviation>,
+}
+
+/// A shape in the space `V`, as it was made.
+#[derive(Clone, Debug)]
+pub struct MadeBody<V: Space> {
+    /// The rigid body.
+    pub rigid: RigidShape<V>,
+    /// The distance of its surface from the one asked for.
+    pub deviation: Option<Deviation>,
 }
 
 impl ShapeFacts {
@@ -72,18 +89,20 @@ pub struct Shapes {
 impl Shapes {
     /// Takes over the shapes of a scene in the space `V`.
     #[must_use]
-    pub fn new<V: Space>(shapes: Vec<RigidShape<V>>) -> Self {
-        let facts = |shape: &RigidShape<V>| ShapeFacts {
-            name: shape.name.clone(),
-            equivalent_radius: shape.equivalent_radius(),
-            reach: shape.bounding_radius(),
-            spheres: shape.sphere_radii(),
-            count: shape.spheres.len(),
-            mobility: shape.mobility,
-            axes: shape.axes.to_quaternion(),
+    pub fn new<V: Space>(shapes: Vec<MadeBody<V>>) -> Self {
+        let facts = |MadeBody { rigid, deviation }: &MadeBody<V>| ShapeFacts {
+            name: rigid.name.clone(),
+            equivalent_radius: rigid.equivalent_radius(),
+            reach: rigid.bounding_radius(),
+            spheres: rigid.sphere_radii(),
+            count: rigid.spheres.len(),
+            mobility: rigid.mobility,
+            axes: rigid.axes.to_quaternion(),
+            centre: rigid.centre.spread(),
+            deviation: *deviation,
         };
-        let shapes: Arc<[RigidShape<V>]> = shapes.into();
         let facts = shapes.iter().map(facts).collect();
+        let shapes: Arc<[RigidShape<V>]> = shapes.into_iter().map(|made| made.rigid).collect();
         let shapes: &dyn Any = &shapes;
         let plane = shapes.downcast_ref::<Arc<[RigidShape<Plane>]>>().cloned().unwrap_or_default();
         let solid = shapes.downcast_ref::<Arc<[RigidShape<Solid>]>>().cloned().unwrap_or_default();
@@ -132,20 +151,69 @@ impl Shapes {
     }
 }
 
-/// The shape of the grains of a source.
+/// The scene key `shape` of a source: the name of a shape, or a list with one name for each size of a mixture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeNames(pub Vec<String>);
+
+impl Serialize for ShapeNames {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0[..] {
+            [name] => serializer.serialize_str(name),
+            names => names.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ShapeNames {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NamesVisitor)
+    }
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = ShapeNames;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of a shape, or a list of names, one for each size of a mixture")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<ShapeNames, E> {
+        Ok(ShapeNames(vec![name.to_owned()]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<ShapeNames, A::Error> {
+        let mut names = Vec::new();
+        while let Some(name) = sequence.next_element()? {
+            names.push(name);
+        }
+        Ok(ShapeNames(names))
+    }
+}
+
+/// A shape of the scene.
 #[derive(Clone, Debug)]
-pub struct Shaped {
+pub struct KnownShape {
     /// Its number.
     pub shape: Shape,
     /// Its facts.
     pub facts: ShapeFacts,
+}
+
+/// The shapes of the grains of a source.
+#[derive(Clone, Debug)]
+pub struct Shaped {
+    /// One shape for all grains, or one for each size of a mixture.
+    pub shapes: Vec<KnownShape>,
     /// Orientations.
     pub orientation: OrientationLaw,
 }
 
 impl PartialEq for Shaped {
     fn eq(&self, other: &Self) -> bool {
-        (self.shape, self.orientation) == (other.shape, other.orientation)
+        let numbers = |shaped: &Self| shaped.shapes.iter().map(|known| known.shape).collect::<Vec<_>>();
+        (numbers(self), self.orientation) == (numbers(other), other.orientation)
     }
 }
 
@@ -169,21 +237,75 @@ impl Posture {
 }
 
 impl Shaped {
-    /// Returns the reach (m) of a grain of the equivalent radius `radius`, m.
+    /// Returns the shape of grains of size number `size` of a mixture; of all grains if there is one shape.
     #[must_use]
-    pub fn reach(&self, radius: f64) -> f64 {
-        self.facts.reach_of(radius)
+    pub fn of_size(&self, size: usize) -> &KnownShape {
+        &self.shapes[size.min(self.shapes.len() - 1)]
     }
 
-    /// Returns the posture of a grain of this equivalent radius (m), from three uniform random numbers.
+    /// Returns the posture of a grain of size number `size` and this equivalent radius (m), from three uniform random numbers.
     #[must_use]
-    pub fn posture<V: Space>(&self, radius: f64, numbers: [f64; 3]) -> Posture {
+    pub fn posture<V: Space>(&self, size: usize, radius: f64, numbers: [f64; 3]) -> Posture {
+        let KnownShape { shape, facts } = self.of_size(size);
         let described = match self.orientation {
             OrientationLaw::Random => V::Rotor::from_uniform(numbers).to_quaternion(),
             OrientationLaw::Along(direction) => along(direction.padded()),
         };
-        Posture { shape: self.shape, rotor: described * self.facts.axes, reach: self.reach(radius) }
+        Posture { shape: *shape, rotor: described * facts.axes, reach: facts.reach_of(radius) }
     }
+}
+
+/// Returns the reach (m) of a grain of size number `size` and radius `radius`, m: its radius, if the source has no shapes.
+#[must_use]
+pub fn reach(shaped: Option<&Shaped>, size: usize, radius: f64) -> f64 {
+    shaped.map_or(radius, |shaped| shaped.of_size(size).facts.reach_of(radius))
+}
+
+/// Radii of a source, m, and their shape.
+#[derive(Clone, Copy, Debug)]
+pub struct SizeRange<'a> {
+    /// The smallest radius, m.
+    pub low: f64,
+    /// The largest radius, m.
+    pub high: f64,
+    /// The facts of the shape; `None` for spheres.
+    pub facts: Option<&'a ShapeFacts>,
+}
+
+impl SizeRange<'_> {
+    /// The radii of the smallest and the largest sphere, m.
+    #[must_use]
+    pub fn spheres(&self) -> (f64, f64) {
+        let [largest, smallest] = self.facts.map_or([1.0; 2], ShapeFacts::factors);
+        (self.low * smallest, self.high * largest)
+    }
+
+    /// The largest reach of a grain, m.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.facts.map_or(self.high, |facts| facts.reach_of(self.high))
+    }
+
+    /// The number of spheres of a grain.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.facts.map_or(1, |facts| facts.count)
+    }
+}
+
+/// Returns the sizes of a source, one by one if it is a mixture.
+#[must_use]
+pub fn size_ranges<'a>(radius: &RadiusLaw, shaped: Option<&'a Shaped>) -> Vec<SizeRange<'a>> {
+    let facts = |size: usize| shaped.map(|shaped| &shaped.of_size(size).facts);
+    if let RadiusLaw::Mixture(sizes) = radius {
+        let radii = sizes.iter().map(|(radius, _)| radius.get());
+        return radii
+            .enumerate()
+            .map(|(size, radius)| SizeRange { low: radius, high: radius, facts: facts(size) })
+            .collect();
+    }
+    let (low, high) = radius.range();
+    vec![SizeRange { low, high, facts: facts(0) }]
 }
 
 /// Returns the rotation of the x axis to `direction`.
@@ -196,8 +318,8 @@ fn along(direction: Solid) -> Quaternion {
     Quaternion::from_rotation_arc(Solid::X, direction)
 }
 
-/// Returns the factors of the largest and the smallest sphere: their radii over the radius of a grain.
+/// Returns the largest reach of a grain of a source, m.
 #[must_use]
-pub fn sphere_factors(shaped: Option<&Shaped>) -> [f64; 2] {
-    shaped.map_or([1.0; 2], |shaped| shaped.facts.factors())
+pub fn largest_reach(radius: &RadiusLaw, shaped: Option<&Shaped>) -> f64 {
+    size_ranges(radius, shaped).iter().map(SizeRange::reach).fold(0.0, f64::max)
 }

@@ -17,7 +17,7 @@ use crate::grains::feed;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::pending::{LeftOfSpawner, Pending};
-use crate::grains::shaped::{OrientationLaw, Posture, Shaped};
+use crate::grains::shaped::{OrientationLaw, Posture, ShapeNames, Shaped};
 use crate::grains::sizes::{GrainSize, RadiusLaw, are_quotas};
 use crate::random::Stream;
 use siloflow_dem::messages::GrainReleased;
@@ -51,8 +51,8 @@ pub struct Spawner {
     /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
     #[serde(default)]
     pub radius: RadiusLaw,
-    /// Name of the shape of these grains. Default: spheres (discs).
-    pub shape: Option<String>,
+    /// Name of the shape of these grains, or one for each size of a mixture. Default: spheres (discs).
+    pub shape: Option<ShapeNames>,
     /// Sizes over that of the shape. Default: 1.
     pub scale: Option<RadiusLaw>,
     /// Orientations of shaped grains. Default: random.
@@ -112,7 +112,7 @@ impl Spawner {
         for (axis, share) in [x, y, z].into_iter().enumerate().take(V::COMPONENTS) {
             position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
         }
-        let posture = self.shaped.as_ref().map(|shaped| shaped.posture::<V>(radius, turns));
+        let posture = self.shaped.as_ref().map(|shaped| shaped.posture::<V>(usize::from(species.0), radius, turns));
         Candidate { id, position, radius, species, posture }
     }
 

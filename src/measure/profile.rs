@@ -9,7 +9,8 @@
 //!   count twice;
 //! * *velocity*: momentum over mass of the grains with their centre in the bin;
 //! * *granular temperature*: sum m |v - v_mean|^2/(D sum m), m^2/s^2, with D = 2 or 3 components and the mean velocity
-//!   of the same bin and samples. It contains the variation of the mean flow across the bin and in time.
+//!   of the same bin and samples. It contains the variation of the mean flow across the bin and in time;
+//! * *inclination* and *nematic order* ([`orientation`](super::orientation)) of the grains with their centre in the bin.
 //!
 //! The volume of a sphere below a plane at h from its centre, |h| <= R, is pi (2 R^3/3 + R^2 h - h^3/3). The area of a
 //! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the nearest image of a grain on each side
@@ -19,6 +20,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use crate::measure::orientation::{DirectorSums, MeanOrientation};
 use siloflow_dem::particle::Species;
 use siloflow_dem::persist::Problem;
 use siloflow_dem::space::{Dimension, Space};
@@ -94,6 +96,8 @@ pub struct Means<V> {
     pub velocity: V,
     /// Granular temperature, m^2/s^2.
     pub temperature: f64,
+    /// Orientation of the grains with their centre in the bin; zero unless the scene has shapes.
+    pub orientation: MeanOrientation,
 }
 
 /// Sums of a profile so far.
@@ -103,6 +107,8 @@ pub struct Sampler<V: Space> {
     pub profile: Profile,
     section: f64,
     bins: Vec<Sums<V>>,
+    /// Sums over directors in each bin; empty unless a grain has one.
+    directors: Vec<DirectorSums>,
     /// Number of samples in the sums.
     pub samples: u64,
 }
@@ -112,6 +118,7 @@ pub struct Sampler<V: Space> {
 #[serde(bound = "")]
 pub(crate) struct SavedSampler<V: Space> {
     bins: Vec<Sums<V>>,
+    directors: Vec<DirectorSums>,
     samples: u64,
 }
 
@@ -130,20 +137,23 @@ impl<V: Space> Sampler<V> {
     /// Makes a sampler without samples; `section` in m^2 (in the plane: m).
     #[must_use]
     pub fn new(profile: Profile, section: f64) -> Self {
-        Self { profile, section, bins: vec![Sums::default(); usize::from(profile.bins)], samples: 0 }
+        let bins = vec![Sums::default(); usize::from(profile.bins)];
+        Self { profile, section, bins, directors: Vec::new(), samples: 0 }
     }
 
     /// Returns the sums so far, for a checkpoint.
     pub(crate) fn saved(&self) -> SavedSampler<V> {
-        SavedSampler { bins: self.bins.clone(), samples: self.samples }
+        SavedSampler { bins: self.bins.clone(), directors: self.directors.clone(), samples: self.samples }
     }
 
     /// Continues from saved sums.
     pub(crate) fn restore(&mut self, saved: SavedSampler<V>) -> Result<(), Problem> {
-        if saved.bins.len() != self.bins.len() {
+        let directors = saved.directors.len();
+        if saved.bins.len() != self.bins.len() || (directors > 0 && directors != self.bins.len()) {
             return Err("the number of bins differs".to_owned());
         }
         self.bins = saved.bins;
+        self.directors = saved.directors;
         self.samples = saved.samples;
         Ok(())
     }
@@ -152,8 +162,8 @@ impl<V: Space> Sampler<V> {
         (self.profile.high.get() - self.profile.low.get()) / f64::from(self.profile.bins)
     }
 
-    /// Adds a sample of the grains of `species`, or of all grains if `None`.
-    pub fn add(&mut self, store: &ParticleStore<V>, species: Option<Species>) {
+    /// Adds a sample of the grains of `species`, or of all grains if `None`. `vertical` is the unit vector upwards.
+    pub fn add(&mut self, store: &ParticleStore<V>, species: Option<Species>, vertical: V) {
         let axis = self.profile.axis.number();
         let side = store.periodic.and_then(|periodic| periodic.side(axis));
         let grains = store.integrated_rows();
@@ -161,20 +171,25 @@ impl<V: Space> Sampler<V> {
             let x = store.body[i].position.axis(axis);
             let images = side.map_or([None; 2], |side| [Some(x - side), Some(x + side)]);
             for image in images.into_iter().flatten().chain([x]) {
-                self.add_centre(store, i, image);
+                self.add_centre(store, i, image, vertical);
                 self.add_volume(store.body[i].radius, image);
             }
         }
         self.samples += 1;
     }
 
-    fn add_centre(&mut self, store: &ParticleStore<V>, i: usize, x: f64) {
+    fn add_centre(&mut self, store: &ParticleStore<V>, i: usize, x: f64, vertical: V) {
         let bin = ((x - self.profile.low.get()) / self.width()).floor();
         if !(0.0..f64::from(self.profile.bins)).contains(&bin) {
             return;
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a valid bin number")]
-        let sums = &mut self.bins[bin as usize];
+        let bin = bin as usize;
+        if let Some(director) = store.director(i) {
+            self.directors.resize(self.bins.len(), DirectorSums::default());
+            self.directors[bin].add(director, vertical);
+        }
+        let sums = &mut self.bins[bin];
         let mass = store.mass[i];
         let v = store.body[i].velocity;
         sums.count += 1;
@@ -217,6 +232,7 @@ impl<V: Space> Sampler<V> {
                 packing_fraction: sums.volume / (samples * width * self.section),
                 velocity,
                 temperature: if sums.mass > 0.0 { (excess / (axes * sums.mass)).max(0.0) } else { 0.0 },
+                orientation: self.directors.get(bin as usize).copied().unwrap_or_default().means(V::COMPONENTS),
             }
         });
         let means = means.collect();
@@ -261,8 +277,8 @@ mod tests {
         let sphere = store(&[(Solid::new(0.3, 0.0, 0.0), Solid::ZERO, 0.25)]);
         let mut plane = Sampler::new(profile(0.0, 1.0, 7), 2.0);
         let mut solid = Sampler::new(profile(0.0, 1.0, 7), 2.0);
-        plane.add(&disc, None);
-        solid.add(&sphere, None);
+        plane.add(&disc, None, Plane::Y);
+        solid.add(&sphere, None, Solid::Z);
         let area: f64 = plane.take().iter().map(|bin| bin.packing_fraction * 2.0 / 7.0).sum();
         let volume: f64 = solid.take().iter().map(|bin| bin.packing_fraction * 2.0 / 7.0).sum();
         // Seven differences of rounded numbers below one.
@@ -270,7 +286,7 @@ mod tests {
         assert!((volume - 4.0 / 3.0 * PI * 0.25f64.powi(3)).abs() < 14.0 * f64::EPSILON, "{volume}");
         // Half of the sphere lies on each side of its middle.
         let mut halves = Sampler::new(profile(0.0, 0.6, 2), 1.0);
-        halves.add(&sphere, None);
+        halves.add(&sphere, None, Solid::Z);
         let halves = halves.take();
         assert!((halves[0].packing_fraction - halves[1].packing_fraction).abs() < 1e-15);
     }
@@ -280,7 +296,7 @@ mod tests {
         let mut disc = store(&[(Plane::new(0.05, 0.0), Plane::ZERO, 0.2)]);
         disc.periodic = Periodic::new(&PeriodicSides { x: Some((0.0, 1.0)), ..PeriodicSides::default() });
         let mut sampler = Sampler::new(profile(0.0, 1.0, 4), 1.0);
-        sampler.add(&disc, None);
+        sampler.add(&disc, None, Plane::Y);
         let means = sampler.take();
         let area: f64 = means.iter().map(|bin| bin.packing_fraction / 4.0).sum();
         assert!((area - PI * 0.04).abs() < 1e-15 && means[3].packing_fraction > 0.1, "{area}");
@@ -292,15 +308,15 @@ mod tests {
         let grains =
             [(v(0.1, 0.0), v(1.0, 0.0), 0.01), (v(0.2, 0.0), v(3.0, 2.0), 0.01), (v(0.9, 0.0), v(9.0, 9.0), 0.01)];
         let mut sampler = Sampler::new(profile(0.0, 1.0, 2), 1.0);
-        sampler.add(&store(&grains), None);
-        sampler.add(&store(&grains), None);
+        sampler.add(&store(&grains), None, Plane::Y);
+        sampler.add(&store(&grains), None, Plane::Y);
         assert_eq!(sampler.samples, 2);
         let means = sampler.take();
         assert_eq!((means[0].count, means[0].velocity), (2.0, v(2.0, 1.0)));
         // Each of the two velocities differs from the mean by (1, 1) in magnitude.
         assert_eq!((means[0].temperature, means[1].temperature), (1.0, 0.0));
         assert_eq!(sampler.samples, 0);
-        sampler.add(&store(&grains), Some(Species(1)));
+        sampler.add(&store(&grains), Some(Species(1)), Plane::Y);
         assert_eq!(sampler.take()[0].count, 1.0);
     }
 }

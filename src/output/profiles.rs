@@ -9,10 +9,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::measure::averaging::{Averaging, Progress};
+use crate::measure::orientation::vertical;
 use crate::measure::profile::{Means, Profile, Sampler, SavedSampler};
 use crate::measure::{ObserveStage, due};
 use crate::scene::outputs::Series;
 use crate::writers::rows::{Rows, TakenOnce};
+use siloflow_dem::gravity::Gravity;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::particle::Species;
 use siloflow_dem::particles::Motion;
@@ -82,6 +84,16 @@ pub(crate) const PROFILES: &[Column<ProfileRow>] = &[
     Column::new("temperature_m2_per_s2", "m^2/s^2", "granular temperature", |row| Scientific(row.means.temperature)),
 ];
 
+/// Further columns of `profiles.csv` in scenes with shapes.
+pub(crate) const ORIENTATIONS: &[Column<ProfileRow>] = &[
+    Column::new("inclination_rad", "rad", "mean angle to the vertical, of grains with a shape", |row| {
+        Decimal(row.means.orientation.inclination)
+    }),
+    Column::new("nematic_order", "", "nematic order of grains with a shape, from 0 to 1", |row| {
+        Decimal(row.means.orientation.order)
+    }),
+];
+
 /// A row of `centres.csv`.
 #[derive(Debug)]
 pub(crate) struct CentreRow {
@@ -115,6 +127,7 @@ pub(crate) const CENTRES: &[Column<CentreRow>] = &[
 
 fn sample<V: Space>(
     clock: Res<Clock>,
+    gravity: Res<Gravity<V>>,
     motion: Motion<V>,
     mut profiles: ResMut<Profiles<V>>,
     mut outcome: ResMut<Outcome>,
@@ -124,7 +137,7 @@ fn sample<V: Space>(
     for profile in running {
         if profile.averaging.is_due(&clock) {
             profile.averaging.count(&clock);
-            profile.sampler.add(motion.store(), profile.species);
+            profile.sampler.add(motion.store(), profile.species, vertical(gravity.0));
         }
         if let Some(done) = profile.averaging.complete(&clock, ends) {
             file.append(format_args!("{}", profile.take_rows(columns, done)), &mut outcome);
@@ -158,13 +171,13 @@ impl<V: Space> Running<V> {
     /// Returns the means as CSV rows and begins a new average.
     fn take_rows(&mut self, columns: &Columns<ProfileRow>, done: Progress) -> String {
         let mut text = String::new();
-        for Means { place, count, packing_fraction, velocity, temperature } in self.sampler.take() {
+        for Means { place, count, packing_fraction, velocity, temperature, orientation } in self.sampler.take() {
             let row = ProfileRow {
                 profile: self.number,
                 window: done.window,
                 samples: done.samples,
                 species: self.species,
-                means: Means { place, count, packing_fraction, velocity: velocity.spread(), temperature },
+                means: Means { place, count, packing_fraction, velocity: velocity.spread(), temperature, orientation },
             };
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{}", columns.cells(&row));
@@ -207,18 +220,23 @@ impl<V: Space> ProfilesPlugin<V> {
     /// Creates the files with their headers, or continues them.
     ///
     /// `profiles` has each profile with the cross-section of the sampled region (m^2, or m in the plane). `species` is
-    /// the largest species of the scene.
+    /// the largest species of the scene. `has_shapes` says whether grains have orientations.
     ///
     /// # Errors
     /// If a file cannot be written.
     pub fn create(
         profiles: &[(Profile, f64)],
         species: u8,
+        has_shapes: bool,
         profiles_place: &OutputPlace,
         centres_place: &OutputPlace,
     ) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
-        let columns = Columns::of(is_solid, &[PROFILES]);
+        let columns = if has_shapes {
+            Columns::of(is_solid, &[PROFILES, ORIENTATIONS])
+        } else {
+            Columns::of(is_solid, &[PROFILES])
+        };
         let file = Rows::at(profiles_place, &columns.header())?;
         let all = (species > 0).then_some(None);
         let kinds: Vec<_> = (0..=species).map(|number| Some(Species(number))).chain(all).collect();

@@ -8,7 +8,8 @@
 
 use crate::grains::feed::Feed;
 use crate::grains::file::GrainRow;
-use crate::grains::shaped::Shaped;
+use crate::grains::shaped::{Shaped, SizeRange, size_ranges};
+use crate::grains::sizes::RadiusLaw;
 use crate::measure::fields::Layout;
 use crate::scene::TimeStep;
 use crate::scene::check::quantities::Estimates;
@@ -59,10 +60,14 @@ pub fn pixels(loaded: &Loaded) -> f64 {
 /// several.
 #[must_use]
 pub fn shapes(loaded: &Loaded) -> usize {
-    let count = |shaped: Option<&Shaped>| shaped.map_or(1, |shaped| shaped.facts.count);
+    let count = |radius: &RadiusLaw, shaped: Option<&Shaped>| {
+        size_ranges(radius, shaped).iter().map(SizeRange::count).max().unwrap_or(1)
+    };
     let of_spawner = loaded.scene.spawner.as_ref();
-    let released = of_spawner.map_or(0, |spawner| spawner.count as usize * count(spawner.shaped.as_ref()));
-    let fed: usize = loaded.scene.feed.iter().map(|feed| fed(loaded, feed) * count(feed.shaped.as_ref())).sum();
+    let released =
+        of_spawner.map_or(0, |spawner| spawner.count as usize * count(&spawner.radius, spawner.shaped.as_ref()));
+    let fed: usize =
+        loaded.scene.feed.iter().map(|feed| fed(loaded, feed) * count(&feed.radius, feed.shaped.as_ref())).sum();
     let of_grain = |grain: &GrainRow| {
         grain.posture.and_then(|posture| loaded.shapes.facts_of(posture.shape)).map_or(1, |facts| facts.count)
     };

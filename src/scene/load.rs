@@ -15,6 +15,7 @@ use crate::scene::check::automatic;
 use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::scene::{KEYS, Method, Scene, TimeStep, rules};
+use siloflow_dem::bodies::config::ShapeConfig;
 use siloflow_dem::contact::history::remembered::{self, RememberedContacts};
 use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh;
@@ -66,17 +67,25 @@ pub fn load(path: &Path, settings: &[(String, String)]) -> Result<Loaded, Fault>
     from_source(Source::read(path)?, settings)
 }
 
-/// Reads the files of the scene's meshes.
+/// Reads the files of the scene's meshes: walls and shapes.
 fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
-    for (index, wall) in loaded.scene.walls.iter_mut().enumerate() {
-        let WallShape::Mesh { file, unit, triangles } = &mut wall.shape else { continue };
-        let key = format!("walls[{index}].file");
-        let path = loaded.source.name_file(&key, file);
-        let bytes =
-            input::read_bytes(&path, MESH_BYTES).map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
-        let read = mesh::read(&path, &bytes, *unit).map_err(|message| {
+    let Loaded { scene, source, .. } = loaded;
+    let walls = scene.walls.iter_mut().enumerate().filter_map(|(index, wall)| match &mut wall.shape {
+        WallShape::Mesh { file, unit, triangles } => Some((format!("walls[{index}].file"), &*file, *unit, triangles)),
+        _ => None,
+    });
+    let shapes = scene.shapes.iter_mut().filter_map(|(name, shape)| match shape {
+        ShapeConfig::Mesh { file, unit, triangles, .. } => {
+            Some((format!("shapes.{name}.file"), &*file, *unit, triangles))
+        }
+        _ => None,
+    });
+    for (key, file, unit, triangles) in walls.chain(shapes) {
+        let path = source.name_file(&key, file);
+        let bytes = input::read_bytes(&path, MESH_BYTES).map_err(|error| source.unreadable(&key, &path, &error))?;
+        let read = mesh::read(&path, &bytes, unit).map_err(|message| {
             let message = format!("{}: {message}", path.display());
-            loaded.source.fault("scene::mesh", &key, message).help("give a mesh of triangles with an area, each once")
+            source.fault("scene::mesh", &key, message).help("give a mesh of triangles with an area, each once")
         })?;
         *triangles = read.into();
     }
@@ -155,6 +164,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
     };
     // Vectors have a checked number of components before any other code reads them.
     rules::space(&loaded)?;
+    read_meshes(&mut loaded)?;
     loaded.resolve_shapes()?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
@@ -175,7 +185,6 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
             loaded.contacts_at_start = read_contacts(&mut loaded.source, &contacts)?;
         }
     }
-    read_meshes(&mut loaded)?;
     read_tables(&mut loaded)?;
     // Before any grain is created.
     rules::fill(&loaded)?;

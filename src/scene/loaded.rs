@@ -3,9 +3,10 @@
 mod images;
 mod walls;
 
+use crate::grains::feed::Feed;
 use crate::grains::file::GrainRow;
 use crate::grains::fill::FixedGrain;
-use crate::grains::shaped::{ShapeFacts, Shaped, Shapes, sphere_factors};
+use crate::grains::shaped::{ShapeFacts, Shapes, largest_reach, size_ranges};
 use crate::grains::sizes::RadiusLaw;
 use crate::lattice_silo::loaded::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
@@ -22,6 +23,7 @@ use siloflow_dem::values::Positive;
 use siloflow_dem::walls::silo_file::SiloGeometry;
 use siloflow_text::fault::{Fault, Warning};
 use siloflow_text::source::Source;
+use siloflow_text::suggestion::did_you_mean;
 
 /// A scene of grains that is ready to run.
 #[derive(Debug)]
@@ -149,13 +151,22 @@ impl Loaded {
         walls.chain(silo).chain(grains).chain(fixed).chain(pairs).fold(mixture, usize::max)
     }
 
+    /// The help for a name that no wall has: the name that is most like it, or all names.
+    #[must_use]
+    pub fn help_for_wall(&self, name: &str) -> String {
+        let mut names: Vec<_> = self.scene.walls.iter().filter_map(|wall| wall.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        if names.is_empty() {
+            "give a wall of `walls` this `name`".to_owned()
+        } else {
+            did_you_mean("names", name, &names)
+        }
+    }
+
     /// Smallest and largest radius of all spheres of grains, present and to be released, m; `None` without grains.
     #[must_use]
     pub fn grain_radii(&self) -> Option<(f64, f64)> {
-        let of_spheres = |(low, high): (f64, f64), shaped: Option<&Shaped>| {
-            let [largest, smallest] = sphere_factors(shaped);
-            (low * smallest, high * largest)
-        };
         let start = self.grains.iter().map(|grain| {
             let factors = grain
                 .posture
@@ -164,21 +175,19 @@ impl Loaded {
             (grain.radius * factors[1], grain.radius * factors[0])
         });
         let spawner = self.scene.spawner.iter().filter(|s| s.count > 0);
-        let to_come = spawner.map(|spawner| of_spheres(spawner.radius.range(), spawner.shaped.as_ref()));
-        let feeds = self.scene.feed.iter().map(|feed| of_spheres(feed.radius.range(), feed.shaped.as_ref()));
-        start.chain(to_come).chain(feeds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        let to_come = spawner.flat_map(|spawner| size_ranges(&spawner.radius, spawner.shaped.as_ref()));
+        let feeds = self.scene.feed.iter().flat_map(|feed| size_ranges(&feed.radius, feed.shaped.as_ref()));
+        let to_come = to_come.chain(feeds).map(|range| range.spheres());
+        start.chain(to_come).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// The largest distance (m) of a grain's surface from its centre, of all grains, present and to be released.
     #[must_use]
     pub fn largest_reach(&self) -> f64 {
         let start = self.grains.iter().map(GrainRow::reach);
-        let largest = |law: &RadiusLaw, shaped: Option<&Shaped>| {
-            let (_, radius) = law.range();
-            shaped.map_or(radius, |shaped| shaped.reach(radius))
-        };
-        let to_come = self.scene.spawner.iter().map(|spawner| largest(&spawner.radius, spawner.shaped.as_ref()));
-        let feeds = self.scene.feed.iter().map(|feed| largest(&feed.radius, feed.shaped.as_ref()));
+        let spawner = self.scene.spawner.iter();
+        let to_come = spawner.map(|spawner| largest_reach(&spawner.radius, spawner.shaped.as_ref()));
+        let feeds = self.scene.feed.iter().map(Feed::largest_reach);
         start.chain(to_come).chain(feeds).fold(0.0, f64::max)
     }
 

@@ -45,8 +45,12 @@ pub enum Colour {
 }
 
 impl Colour {
-    /// The columns of grains that every frame has, of one number for each grain.
-    pub const COLUMNS: [&str; 7] = ["id", "kind", "species", "radius", "mass", "pressure", "coordination"];
+    /// The columns of grains that frames have, of one number for each grain.
+    pub const COLUMNS: [&str; 8] =
+        ["id", "kind", "species", "radius", "mass", "pressure", "coordination", Self::INCLINATION];
+
+    /// The column that only frames of scenes with shapes have.
+    pub const INCLINATION: &str = "inclination";
 }
 
 impl Default for Pictures {

@@ -58,7 +58,7 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
     }
     for feed in &loaded.scene.feed {
         let (low, high) = feed.region.bounds();
-        let largest = feed.reach(feed.radius.range().1);
+        let largest = feed.largest_reach();
         for corner in corners_of([low, high]) {
             ball(corner, largest);
         }

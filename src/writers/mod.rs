@@ -10,4 +10,4 @@ pub mod run_path;
 pub mod volume;
 
 /// Version of the format of `summary.json`.
-pub const SUMMARY_FORMAT: u32 = 1;
+pub const SUMMARY_FORMAT: u32 = 2;

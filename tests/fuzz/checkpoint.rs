@@ -53,8 +53,8 @@ pub enum Seed {
 const ONE: NonZeroUsize = NonZeroUsize::MIN;
 
 /// Shipped scenes with settings, and the steps after which their states are saved: in mid-release, a door that moves and one that is about
-/// to be removed, a mesh and a polygon with a hole, a feed that waits.
-const GRAINS: [(&str, &[(&str, &str)], u64); 5] = [
+/// to be removed, a mesh and a polygon with a hole, a feed that waits, clumps.
+const GRAINS: [(&str, &[(&str, &str)], u64); 6] = [
     (
         "silo1.ron",
         &[
@@ -81,6 +81,7 @@ const GRAINS: [(&str, &[(&str, &str)], u64); 5] = [
         &[("feed[0].rate", "Mass(40.0)"), ("feed[0].radius", "Mixture([(0.004, 0.5), (0.003, 0.5)])")],
         40,
     ),
+    ("hard/clumps-in-corner.ron", &[("fill[0].count", "20")], 100),
 ];
 
 /// Returns the seeds: [`GRAINS`], and a gas before and after its door has opened.

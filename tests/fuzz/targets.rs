@@ -2,13 +2,16 @@
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-use siloflow::dem::walls::silo_file::{self, LengthUnit};
+use siloflow::dem::values::LengthUnit;
+use siloflow::dem::walls::silo_file;
 use siloflow::figures::png;
 use siloflow::grains::file::{self, Kind};
 use siloflow::lattice_silo::loaded::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::scene::check;
+use siloflow::scene::loaded::Loaded;
 use siloflow::text::encoding::decode;
 use siloflow::text::fault::Fault;
 use siloflow::text::source::Source;
@@ -61,9 +64,17 @@ pub fn silo(text: &str) {
     }
 }
 
+/// Scenes with shapes, in the plane and in solid space.
+static SHAPES: LazyLock<[Loaded; 2]> = LazyLock::new(|| {
+    let texts = [include_str!("corpus/scene/shapes-plane.ron"), include_str!("corpus/scene/shapes-solid.ron")];
+    texts.map(|text| load::from_text("shapes.ron", "shapes", &files(), text.to_owned(), &[]).unwrap())
+});
+
 pub fn grains(text: &str) {
     for (dimension, spins) in [(Dimension::Plane, false), (Dimension::Solid, true)] {
-        show(file::parse("mutant.csv", text, Kind { dimension, spins, shapes: &[] }));
+        for shapes in [&[][..], &SHAPES[usize::from(spins)].shapes.facts] {
+            show(file::parse("mutant.csv", text, Kind { dimension, spins, shapes }));
+        }
     }
 }
 

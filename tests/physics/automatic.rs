@@ -48,7 +48,7 @@ impl Impact {
         Case {
             name: "impact",
             title: "impact",
-            systems: vec![System { gravity: DVec2::ZERO, law: self.law, discs, floors }],
+            systems: vec![System { clumps: vec![], gravity: DVec2::ZERO, law: self.law, discs, floors }],
             contact_duration,
             // A damped contact of Hertz's law lasts longer than the undamped one.
             end: 4.0 * contact_duration,

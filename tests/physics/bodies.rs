@@ -181,7 +181,8 @@ fn the_energy_of_a_free_top_does_not_drift_in_a_hundred_thousand_turns() {
     let hundredth = turns / 100 * 100;
     let mut sums = [0.0; 2];
     for step in 0..turns * 100 {
-        rotor = Rotor::<Solid>::freely_turned(rotor, momentum, inverse, dt);
+        let own = Rotor::<Solid>::own(rotor, momentum);
+        rotor = Rotor::<Solid>::freely_turned(rotor, own, inverse, dt).rotor;
         let place = if step < hundredth {
             0
         } else if step >= turns * 100 - hundredth {

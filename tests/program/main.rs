@@ -63,6 +63,7 @@ mod resume;
 mod run_directory;
 mod scenes;
 mod searches;
+mod shaped_results;
 mod shapes;
 mod silo_file;
 mod stops;

@@ -85,7 +85,7 @@ fn wrong_shapes_are_refused_with_the_reason() {
         ("Spheres([(at: (0.0, 0.0, 0.0), radius: 0.01), (at: (0.001, 0.0, 0.0), radius: 0.005)])", "lies inside"),
         ("Capsule(length: 0.1, diameter: 0.01, spheres: 3)", "do not reach"),
         ("Capsule(length: 0.01, diameter: 0.02, spheres: 3)", "at least as long"),
-        ("Ellipsoid(axes: (0.01, 0.03, 0.03), spheres: 3)", "long axis first"),
+        ("Ellipsoid(axes: (0.01, 0.05, 0.01), spheres: 2)", "do not reach"),
         ("Discs([(at: (0.0, 0.0, 0.0), radius: 0.01)])", "Plane"),
     ];
     for (shape, word) in cases {
@@ -149,8 +149,8 @@ fn a_run_goes_on_from_another_one_with_its_orientations_and_contacts() {
             "normal: (0.0, 0.0, 1.0)), HalfSpace(point: (0.0, 0.0, 0.0), normal: (1.0, 0.0, 0.0))]",
         )
     };
-    fs::write(here.path().join("whole.ron"), text_of(0.24)).unwrap();
-    fs::write(here.path().join("half.ron"), text_of(0.12)).unwrap();
+    fs::write(here.path().join("whole.ron"), text_of(0.22)).unwrap();
+    fs::write(here.path().join("half.ron"), text_of(0.11)).unwrap();
     for arguments in [
         &["run", "whole.ron", "--quiet"][..],
         &["run", "half.ron", "--quiet"],
@@ -164,7 +164,7 @@ fn a_run_goes_on_from_another_one_with_its_orientations_and_contacts() {
         panic!("{error}: {:?}", fs::read_dir(here.path().join("out/rest")).unwrap().collect::<Vec<_>>())
     });
     assert!(
-        contacts.lines().next().unwrap().ends_with("sphere,partner_sphere") && contacts.lines().count() > 2,
+        contacts.lines().next().unwrap().ends_with("sphere,partner_sphere") && contacts.lines().count() > 1,
         "{contacts}"
     );
     let positions = |run: &str| {

@@ -1,8 +1,9 @@
 //! Reconstructs the silo files in `assets` from their descriptions and compares them.
 
 use siloflow::dem::space::Vector;
+use siloflow::dem::values::LengthUnit;
 use siloflow::dem::walls::enclosure::Enclosure;
-use siloflow::dem::walls::silo_file::{Disc, LengthUnit, parse};
+use siloflow::dem::walls::silo_file::{Disc, parse};
 
 /// Returns the disc centres of `silo1.dat`, cm. Two sides x = +-130 from y = 400 down to 200, every 5; slopes of 46
 /// further discs each, ending at (+-15, 0). A roof of 9 discs around its apex (0, 260), falling at 45 degrees, every 5.

@@ -84,6 +84,28 @@ impl NonNegative {
     pub(crate) const ZERO: Self = Self(0.0);
 }
 
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum LengthUnit {
+    /// 1 m.
+    Metre,
+    /// 0.01 m.
+    Centimetre,
+    /// 0.001 m.
+    Millimetre,
+}
+
+impl LengthUnit {
+    /// Returns the number of units per metre. Division by a whole number rounds once, so that 400 cm is exactly 4 m.
+    pub(crate) fn per_metre(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 100.0,
+            Self::Millimetre => 1000.0,
+        }
+    }
+}
+
 /// A finite vector of two or three components, as many as the scene's `space` has.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "Components", into = "Components")]

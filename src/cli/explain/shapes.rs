@@ -19,7 +19,7 @@ fn describe_in<V: Space>(loaded: &Loaded, text: &mut String) {
         Dimension::Plane => ["disc", "area", "m^2"],
         Dimension::Solid => ["sphere", "volume", "m^3"],
     };
-    for shape in loaded.shapes.rigid::<V>().iter() {
+    for (shape, facts) in loaded.shapes.rigid::<V>().iter().zip(&loaded.shapes.facts) {
         let RigidShape { name, spheres, gyration, mobility, .. } = shape;
         let [largest, smallest] = shape.sphere_radii();
         let radius = shape.equivalent_radius();
@@ -41,7 +41,7 @@ fn describe_in<V: Space>(loaded: &Loaded, text: &mut String) {
                 moments.join(", ")
             );
         }
-        if let Some(deviation) = loaded.scene.shapes.get(name).and_then(|config| config.make().ok()?.deviation) {
+        if let Some(deviation) = facts.deviation {
             let _ = writeln!(
                 text,
                 "  the surface is within {:.3e} m of the one asked for, root mean square {:.3e} m",

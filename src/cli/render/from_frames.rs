@@ -80,6 +80,9 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
         return Err(Fault::new("render::no_frames", format!("there is no whole frame in {}", path.display()))
             .help("the run was killed before its first frame: run its scene.ron again"));
     }
+    if !quiet {
+        survey.tell_far_times(args);
+    }
     pictures.colour = wanted.colour(survey.range(&selected));
     let style = sized(style(&loaded, &pictures), args, &header);
     check(&style, &survey.columns, &loaded)?;

@@ -60,6 +60,20 @@ impl FrameIndex {
         count.checked_sub(1).into_iter().collect()
     }
 
+    /// Says which of the wanted times have no frame near: before the first, after the last, or more than a frame away.
+    pub fn tell_far_times(&self, args: &RenderArgs) {
+        let (Some(first), Some(last)) = (self.times.first(), self.times.last()) else { return };
+        for &time in &args.at {
+            let Some(found) = self.nearest(time).map(|number| self.times[number]) else { continue };
+            let apart = (last - first) / f64::from(u32::try_from(self.times.len()).unwrap_or(u32::MAX));
+            if (found - time).abs() > apart + 1e-9 * time.abs() {
+                tracing::warn!(
+                    "render::far_time: there is no frame near {time} s: the frame at {found} s is drawn; the run has frames from {first} s to {last} s"
+                );
+            }
+        }
+    }
+
     fn nearest(&self, time: f64) -> Option<usize> {
         let apart = |number: &usize| (self.times[*number] - time).abs();
         (0..self.times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)))

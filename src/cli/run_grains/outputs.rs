@@ -63,6 +63,7 @@ impl<V: Space> Outputs<V> {
                 Some(ProfilesPlugin::create(
                     &profiles,
                     species,
+                    !loaded.shapes.is_empty(),
                     &directory.rows(names::PROFILES),
                     &directory.rows(names::CENTRES),
                 )?)

@@ -145,8 +145,7 @@ impl<V: Space> Inlet<V> {
 
     /// Returns the particles that may overlap a grain in the region, as places and radii.
     pub(super) fn near(&self, particles: &Particles<V>) -> Vec<(V, f64)> {
-        let (_, largest) = self.config.radius.range();
-        let largest = self.config.reach(largest);
+        let largest = self.config.largest_reach();
         let is_near = |&row: &usize| {
             let away = particles.separation(particles.position(row), self.middle);
             let reach = particles.radius(row) + largest;
@@ -186,7 +185,7 @@ impl<V: Space> Inlet<V> {
             grain.tries = grain.tries.wrapping_add(1);
             let position = V::narrow(self.config.region.point(u));
             let position = periodic.map_or(position, |periodic| periodic.wrapped(position));
-            let reach = self.config.reach(grain.radius);
+            let reach = self.config.reach(grain.species, grain.radius);
             if !is_free(position, reach) {
                 continue;
             }
@@ -203,11 +202,9 @@ impl<V: Space> Inlet<V> {
                 rotation: self.inertia.map(|law| (law, V::narrow_spin(spin))),
                 radius,
                 reach,
-                posture: self
-                    .config
-                    .shaped
-                    .as_ref()
-                    .map(|shaped| shaped.posture::<V>(radius, self.turns.uniform(number))),
+                posture: self.config.shaped.as_ref().map(|shaped| {
+                    shaped.posture::<V>(self.config.size_of(species), radius, self.turns.uniform(number))
+                }),
                 mass: self.mass.of(radius),
                 species,
                 waits_since,

@@ -69,8 +69,8 @@ pub fn domain(loaded: &Loaded) -> [Solid; 2] {
     scene.spawner.iter().for_each(|spawner| add(spawner.point.padded(), largest));
     for feed in &scene.feed {
         let (low, high) = feed.region.bounds();
-        add(low, feed.reach(feed.radius.range().1));
-        add(high, feed.reach(feed.radius.range().1));
+        add(low, feed.largest_reach());
+        add(high, feed.largest_reach());
     }
     let mut ends = [
         corners.iter().copied().reduce(Solid::min).unwrap_or(Solid::ZERO),

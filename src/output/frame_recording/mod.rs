@@ -6,9 +6,14 @@
 //! | `contacts` | of particles: `grain`, `partner` (ids), `normal_force`, `tangential_force` (vector, on `grain`), `overlap`, `sliding` (0 or 1) |
 //! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
 //!
+//! In scenes with shapes `grains` has a row for each sphere, with the columns `sphere` (its number in the grain) and `inclination` (angle of the grain to
+//! the vertical, see [`orientation`](crate::measure::orientation)), and contacts have `sphere` and `partner_sphere`. The table `bodies`
+//! (`bodies.rs`) has a row for each grain with a shape.
+//!
 //! The id of wall grain 3 is -3. Rows are in ascending order of ids, wall grains after grains and in the order of their numbers. Forces are those of the full step, as in
 //! [`survey::view`](siloflow_dem::survey::view). The pressure of a particle is the sum of its elastic contact forces over its circumference, or in solid space over its surface.
 
+mod bodies;
 pub mod geometry;
 pub mod live;
 mod pressure;
@@ -24,12 +29,14 @@ use bevy_ecs::system::SystemParam;
 
 use self::writer::FrameWriter;
 use crate::ledger::Ledger;
+use crate::measure::orientation::{inclination, vertical};
 use crate::measure::outputs::{self, BehaviourOutputs, GrainColumn, GrainValues, Quantity};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::output::frame_recording::live::LiveFormats;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::writers::rows::TakenOnce;
+use siloflow_dem::gravity::Gravity;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::particle::{Door, Grain, GrainId, Slot};
 use siloflow_dem::persist::PersistApp as _;
@@ -92,6 +99,7 @@ pub(in crate::output) struct Observed<'w, 's, V: Space> {
     ledger: Res<'w, Ledger>,
     survey: SurveyParam<'w, V>,
     kinds: Kinds<'w, 's>,
+    gravity: Res<'w, Gravity<V>>,
     registered: Option<Res<'w, GrainValues>>,
 }
 
@@ -99,13 +107,17 @@ impl<V: Space> Observed<'_, '_, V> {
     /// Returns a frame of the present state.
     pub fn frame(&self, content: &Content) -> Frame {
         let survey = self.survey.survey();
-        let mut of_grains = grains(&survey, &self.kinds, content.measured);
+        let mut of_grains = grains(&survey, &self.kinds, vertical(self.gravity.0), content.measured);
         if let Some(values) = &self.registered {
             add_registered(&mut of_grains, &content.columns, values, &rows(&survey));
         }
         let mut tables = vec![of_grains];
+        let has_shapes = !survey.store.bodies.shapes.is_empty();
         if content.contacts {
-            tables.extend(contacts(&survey.view(self.clock.dt)));
+            tables.extend(contacts(&survey.view(self.clock.dt), has_shapes));
+        }
+        if has_shapes {
+            tables.push(bodies::table(survey.store));
         }
         let changed_walls = if content.walls {
             geometry::changed(&content.first_walls, geometry::walls(&survey.walls.all, content.domain))
@@ -144,7 +156,7 @@ fn add_registered(table: &mut Table, columns: &[RegisteredColumn], values: &Grai
     }
 }
 
-fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table {
+fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, vertical: V, measured: bool) -> Table {
     let store = survey.store;
     let rows = rows(survey);
     let mut kind_of = vec![0; store.len()];
@@ -185,6 +197,8 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table 
     if !store.bodies.shapes.is_empty() {
         let numbers = rows.iter().map(|&row| sphere(row).map_or(0, |sphere| sphere.number));
         columns.push(column("sphere", "", 1, Values::U16(numbers.collect())));
+        let inclination = |row: usize| store.director(row).map_or(f64::NAN, |director| inclination(director, vertical));
+        columns.push(column("inclination", "rad", 1, floats(&inclination)));
     }
     if measured {
         let pressures = pressure::of(survey);
@@ -211,8 +225,8 @@ fn coordination<V: Space>(survey: &Survey<V>) -> Vec<u16> {
     coordination
 }
 
-/// Returns the tables of contacts between particles and with walls.
-fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
+/// Returns the tables of contacts between particles and with walls, with the numbers of spheres if `has_shapes`.
+fn contacts<V: Space>(all: &[ContactState<V>], has_shapes: bool) -> [Table; 2] {
     // The view lists contacts with walls last.
     let end = all.iter().position(|contact| matches!(contact.with, Touched::Wall(_))).unwrap_or(all.len());
     let (between, with_walls) = all.split_at(end);
@@ -228,7 +242,7 @@ fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
     let walls = Values::U32(walls.collect());
     let table = |name: &str, partner: Column, contacts: &[ContactState<V>]| {
         let floats = |of: fn(&ContactState<V>) -> f64| Values::F64(contacts.iter().map(of).collect());
-        let columns = vec![
+        let mut columns = vec![
             column("grain", "", 1, Values::I32(contacts.iter().map(|contact| id_number(contact.grain)).collect())),
             partner,
             column("normal_force", "N", 1, floats(|contact| contact.normal_force)),
@@ -236,12 +250,21 @@ fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
             column("overlap", "m", 1, floats(|contact| contact.overlap)),
             column("sliding", "", 1, Values::U8(contacts.iter().map(|contact| contact.is_sliding.into()).collect())),
         ];
+        if has_shapes {
+            let spheres = Values::U16(contacts.iter().map(|contact| contact.sphere).collect());
+            columns.push(column("sphere", "", 1, spheres));
+        }
         Table { name: name.to_owned(), rows: contacts.len(), columns }
     };
     let mut of_walls = table("wall_contacts", column("wall", "", 1, walls), with_walls);
     let points = vectors(with_walls.iter().map(|contact| contact.from + contact.to_partner));
     of_walls.columns.push(column("point", "m", V::COMPONENTS, points));
-    [table("contacts", column("partner", "", 1, partners), between), of_walls]
+    let mut of_pairs = table("contacts", column("partner", "", 1, partners), between);
+    if has_shapes {
+        let spheres = Values::U16(between.iter().map(|contact| contact.partner_sphere).collect());
+        of_pairs.columns.push(column("partner_sphere", "", 1, spheres));
+    }
+    [of_pairs, of_walls]
 }
 
 fn column(name: &str, unit: &str, components: usize, values: Values) -> Column {

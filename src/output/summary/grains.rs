@@ -80,6 +80,8 @@ pub struct GrainResults {
     /// Values that behaviours register, by behaviour and name. The key is absent without one.
     #[serde(skip_serializing_if = "Values::is_empty")]
     pub behaviours: Values,
+    /// Contact law.
+    pub contact: Contact,
     /// Cost of the run.
     pub performance: Performance,
     /// Version, command, date and machine; `null` unless `siloflow run` wrote the summary.
@@ -162,8 +164,6 @@ pub struct Performance {
     pub threads: usize,
     /// Integration scheme.
     pub integrator: Integrator,
-    /// Contact law.
-    pub contact_law: Contact,
 }
 
 /// Returns the number of free grains of a world, for [`Cost::updates`].
@@ -272,6 +272,7 @@ impl GrainResults {
                 balance_error: flows.map(|flows| totals.energy() - flows.expected()),
             },
             behaviours,
+            contact: loaded.scene.contact,
             performance: Performance {
                 wall_s: cost.wall_s,
                 particle_steps: cost.updates,
@@ -280,7 +281,6 @@ impl GrainResults {
                 neighbour_rebuilds: world.resource::<Rebuilds>().0,
                 threads: world.resource::<Threads>().count(),
                 integrator: loaded.scene.integrator,
-                contact_law: loaded.scene.contact,
             },
             provenance,
             parent: world.get_resource().cloned(),

@@ -27,7 +27,7 @@ pub(super) fn examine(loaded: &Loaded, radius: f64, warnings: &mut Vec<Warning>)
 }
 
 /// The free width of the narrowest door, m: between the wall discs that flank it, or of a surface; `None` without a door.
-fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
+pub(super) fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
     let doors = loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some());
     let surfaces = doors.filter_map(|wall| wall.shape.width());
     let discs = loaded.wall_discs();

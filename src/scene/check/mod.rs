@@ -11,6 +11,7 @@
 //! * The door (`check/doors.rs`): without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path (`check/tunnelling.rs`): a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
 //! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
+//! * The silo (`check/silo.rs`): gravity upwards, a feed outside, another unit, an outlet that clogs, a step that is far too short.
 //! * The heights (`check/heights.rs`): keys that read heights, while gravity points along another axis.
 //! * The output: a warning if the run would write more than [`MOST_BYTES`] up to `until`.
 //!
@@ -27,6 +28,7 @@ mod heights;
 pub mod leaks;
 mod meshes;
 pub mod quantities;
+mod silo;
 mod softness;
 mod sources;
 pub mod species_pairs;
@@ -80,6 +82,7 @@ fn examined(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
     sources::stop(loaded, &mut warnings);
     let estimates = Estimates::of(loaded);
     heights::examine(loaded, &mut warnings);
+    silo::examine(loaded, &mut warnings);
     budget.share(0.5, || start::examine(loaded, estimates.as_ref(), budget, &mut warnings));
     budget.share(0.5, || meshes::examine(loaded, budget, &mut warnings));
     let Some(estimates) = estimates else { return warnings };
@@ -101,6 +104,7 @@ fn examined(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
         });
     }
     doors::examine(loaded, estimates.radius, &mut warnings);
+    silo::examine_with(loaded, &estimates, &mut warnings);
     warnings
 }
 

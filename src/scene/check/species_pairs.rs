@@ -17,7 +17,7 @@
 //! when it lies flat, all springs count that much more.
 
 use crate::grains::feed::Feed;
-use crate::grains::shaped::ShapeFacts;
+use crate::grains::shaped::{ShapeFacts, SizeRange, size_ranges};
 use crate::grains::sizes::RadiusLaw;
 use crate::random::Stream;
 use crate::scene::check::crowd::{Motion, Pull};
@@ -289,15 +289,17 @@ fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some(law) = loaded.scene.mass else { return Vec::new() };
     let of_feed = |feed: &Feed| {
         let law = feed.mass.unwrap_or(law);
-        let facts = feed.shaped.as_ref().map(|shaped| &shaped.facts);
-        let two = |species: u8, radius: f64| [(species, Body::sphere(law.of(radius), radius).of_shape(facts)); 2];
-        match &feed.radius {
-            RadiusLaw::Mixture(sizes) => {
-                let sizes = (feed.species..=u8::MAX).zip(sizes).filter(|(_, (_, share))| share.get() > 0.0);
-                sizes.flat_map(|(species, (radius, _))| two(species, radius.get())).collect()
-            }
-            radii => two(feed.species, radii.range().0).to_vec(),
-        }
+        let ranges = size_ranges(&feed.radius, feed.shaped.as_ref());
+        let two = |(species, range): (u8, &SizeRange<'_>)| {
+            [(species, Body::sphere(law.of(range.low), range.low).of_shape(range.facts)); 2]
+        };
+        let is_drawn = |size: usize| match &feed.radius {
+            RadiusLaw::Mixture(sizes) => sizes.get(size).is_some_and(|(_, share)| share.get() > 0.0),
+            _ => true,
+        };
+        // The species of sizes follow each other.
+        let sizes = (feed.species..=u8::MAX).zip(&ranges).enumerate();
+        sizes.filter(|&(size, _)| is_drawn(size)).flat_map(|(_, of_size)| two(of_size)).collect::<Vec<_>>()
     };
     loaded.scene.feed.iter().flat_map(of_feed).collect()
 }
@@ -305,9 +307,14 @@ fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
 /// Grains that the spawner will release: two of each size, or the radii that it will draw from a range.
 fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some((spawner, law)) = loaded.scene.spawner.as_ref().zip(loaded.scene.mass) else { return Vec::new() };
-    let facts = spawner.shaped.as_ref().map(|shaped| &shaped.facts);
-    let body = |radius: f64| Body::sphere(law.of(radius), radius).of_shape(facts);
-    let two = |count: u32, species: u8, radius: f64| (0..count.min(2)).map(move |_| (species, body(radius)));
+    let body = |species: u8, radius: f64| {
+        let facts = spawner.shaped.as_ref().map(|shaped| &shaped.of_size(usize::from(species)).facts);
+        Body::sphere(law.of(radius), radius).of_shape(facts)
+    };
+    let two = |count: u32, species: u8, radius: f64| {
+        let body = body(species, radius);
+        (0..count.min(2)).map(move |_| (species, body))
+    };
     match &spawner.radius {
         RadiusLaw::Fixed(radius) => two(spawner.count, 0, radius.get()).collect(),
         RadiusLaw::Mixture(sizes) => {
@@ -320,7 +327,7 @@ fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
             let drawn = ids.take(spawner.count.min(DRAWN) as usize).map(|id| {
                 let [u] = random.uniform(id);
                 let size = spawner.radius.choose(u, &mut []);
-                (size.species.0, body(size.radius))
+                (size.species.0, body(size.species.0, size.radius))
             });
             drawn.collect()
         }

@@ -41,8 +41,7 @@ impl Loaded {
     /// Creates the grains of a random fill: free of all grains and walls so far.
     fn random_fill<V: Space>(&self, fill: &Fill, number: usize) -> Result<Vec<GrainRow>, Fault> {
         let Scene { space, mass, seed, periodic, .. } = &self.scene;
-        let (_, largest) = fill.radius.range();
-        let largest = fill.reach(largest);
+        let largest = fill.largest_reach();
         let mut occupied = Occupied::new(largest, periodic);
         self.grains.iter().for_each(|grain| occupied.add(grain.position, grain.reach()));
         self.fixed.iter().for_each(|grain| occupied.add(grain.position, grain.radius));

@@ -1,6 +1,6 @@
 //! Makes the shapes of a scene, and resolves the keys of its sources that name them.
 
-use crate::grains::shaped::{OrientationLaw, Shaped, Shapes};
+use crate::grains::shaped::{KnownShape, MadeBody, OrientationLaw, ShapeNames, Shaped, Shapes};
 use crate::grains::sizes::RadiusLaw;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
@@ -14,7 +14,7 @@ use siloflow_text::suggestion::did_you_mean;
 
 /// The keys of a source of grains that concern shapes.
 struct SourceKeys<'a> {
-    shape: Option<&'a str>,
+    shape: Option<&'a ShapeNames>,
     scale: Option<&'a RadiusLaw>,
     orientation: Option<OrientationLaw>,
     radius: &'a RadiusLaw,
@@ -41,7 +41,7 @@ impl Loaded {
         for index in 0..self.scene.fill.len() {
             let fill = &self.scene.fill[index];
             let keys = SourceKeys {
-                shape: fill.shape.as_deref(),
+                shape: fill.shape.as_ref(),
                 scale: fill.scale.as_ref(),
                 orientation: fill.orientation,
                 radius: &fill.radius,
@@ -58,7 +58,7 @@ impl Loaded {
         for index in 0..self.scene.feed.len() {
             let feed = &self.scene.feed[index];
             let keys = SourceKeys {
-                shape: feed.shape.as_deref(),
+                shape: feed.shape.as_ref(),
                 scale: feed.scale.as_ref(),
                 orientation: feed.orientation,
                 radius: &feed.radius,
@@ -69,7 +69,7 @@ impl Loaded {
         }
         if let Some(spawner) = &self.scene.spawner {
             let keys = SourceKeys {
-                shape: spawner.shape.as_deref(),
+                shape: spawner.shape.as_ref(),
                 scale: spawner.scale.as_ref(),
                 orientation: spawner.orientation,
                 radius: &spawner.radius,
@@ -88,7 +88,7 @@ impl Loaded {
         Ok(Shapes::new(shapes.collect::<Result<Vec<_>, _>>()?))
     }
 
-    fn make_shape<V: Space>(&self, name: &str, config: &ShapeConfig) -> Result<RigidShape<V>, Fault> {
+    fn make_shape<V: Space>(&self, name: &str, config: &ShapeConfig) -> Result<MadeBody<V>, Fault> {
         let key = format!("shapes.{name}");
         let is_plain = |c: char| c.is_alphanumeric() || " _-.".contains(c);
         if name.is_empty() || name.trim() != name || !name.chars().all(is_plain) {
@@ -100,16 +100,17 @@ impl Loaded {
             let message = format!("this kind of shape belongs to `space: {space:?}`");
             return Err(self
                 .fault("scene::dimension", &key, message)
-                .help("in the plane: Discs, Ellipse, Capsule; in solid space: Spheres, Ellipsoid, Capsule"));
+                .help("in the plane: Discs, Ellipse, Polygon, Capsule; in solid space: Spheres, Ellipsoid, Crop, Cuboid, Mesh, Capsule"));
         }
         let refuse = |message: String| {
             self.fault("scene::shape", &key, message)
                 .help("lengths are in m; a shape is a chain or cluster of spheres that overlap")
         };
-        let MadeShape { spheres, .. } = config.make().map_err(refuse)?;
+        let MadeShape { spheres, deviation } = config.make().map_err(refuse)?;
         let sphere = |&(at, radius): &(Solid, f64)| ShapeSphere { at: V::narrow(at), radius };
         let spheres: Vec<_> = spheres.iter().map(sphere).collect();
-        RigidShape::new(name, &spheres).map_err(|fault| refuse(fault.to_string()))
+        let rigid = RigidShape::new(name, &spheres).map_err(|fault| refuse(fault.to_string()))?;
+        Ok(MadeBody { rigid, deviation })
     }
 
     /// Refuses the keys of a scene that have no meaning with shapes.
@@ -132,7 +133,7 @@ impl Loaded {
         let SourceKeys { shape, scale, orientation, radius, key } = keys;
         let key = |name: &str| format!("{key}.{name}");
         let has_radius = self.source.value_of(&key("radius")).is_some();
-        let Some(name) = shape else {
+        let Some(names) = shape else {
             let stray = [("scale", scale.is_some()), ("orientation", orientation.is_some())];
             if let Some((name, _)) = stray.into_iter().find(|(_, is_given)| *is_given) {
                 return Err(self
@@ -146,24 +147,19 @@ impl Loaded {
             }
             return Ok(Resolved { shaped: None, radius: (*radius).clone() });
         };
-        let Some(shape) = self.shapes.named(name) else {
-            let names: Vec<_> = self.scene.shapes.keys().map(String::as_str).collect();
-            let help = match &names[..] {
-                [] => "the scene has no `shapes`: add them, by name".to_owned(),
-                names => did_you_mean("shapes", name, names),
-            };
-            return Err(self.fault("scene::shape", &key("shape"), format!("there is no shape `{name}`")).help(help));
-        };
-        let facts = self.shapes.facts[shape.index()].clone();
+        let known = names.0.iter().map(|name| self.known_shape(name, &key("shape"))).collect::<Result<Vec<_>, _>>()?;
         if has_radius && scale.is_some() {
             return Err(self
                 .fault("scene::shape", &key("scale"), "`radius` and `scale` both give the size")
                 .help("`scale` is relative to the shape, `radius` that of the sphere (disc) of equal volume (area), m; remove one"));
         }
-        let radius = match scale {
-            _ if has_radius => (*radius).clone(),
-            Some(scale) => scale.times(facts.equivalent_radius),
-            None => RadiusLaw::default().times(facts.equivalent_radius),
+        self.check_number_of_shapes(keys, known.len())?;
+        let shaped = Shaped { shapes: known, orientation: orientation.unwrap_or_default() };
+        let radius = if has_radius {
+            (*radius).clone()
+        } else {
+            let scale = scale.cloned().unwrap_or_default();
+            scale.times(|size| shaped.of_size(size).facts.equivalent_radius)
         };
         if let Some(OrientationLaw::Along(direction)) = orientation
             && direction.padded() == Solid::ZERO
@@ -172,20 +168,52 @@ impl Loaded {
                 .fault("scene::zero_direction", &key("orientation"), "the direction has no length")
                 .help("give a vector of any other length"));
         }
-        let orientation = orientation.unwrap_or_default();
-        Ok(Resolved { shaped: Some(Shaped { shape, facts, orientation }), radius })
+        Ok(Resolved { shaped: Some(shaped), radius })
+    }
+
+    /// Returns the shape with this name, which stands at `key`.
+    fn known_shape(&self, name: &str, key: &str) -> Result<KnownShape, Fault> {
+        if let Some(shape) = self.shapes.named(name) {
+            return Ok(KnownShape { shape, facts: self.shapes.facts[shape.index()].clone() });
+        }
+        let names: Vec<_> = self.scene.shapes.keys().map(String::as_str).collect();
+        let help = match &names[..] {
+            [] => "the scene has no `shapes`: add them, by name".to_owned(),
+            names => did_you_mean("shapes", name, names),
+        };
+        Err(self.fault("scene::shape", key, format!("there is no shape `{name}`")).help(help))
+    }
+
+    /// Refuses a list of shapes without a mixture of as many sizes.
+    fn check_number_of_shapes(&self, keys: &SourceKeys<'_>, count: usize) -> Result<(), Fault> {
+        let key = format!("{}.shape", keys.key);
+        let sizes = match keys.scale.unwrap_or(keys.radius) {
+            RadiusLaw::Mixture(sizes) => sizes.len(),
+            _ => 1,
+        };
+        if count == 1 || count == sizes {
+            return Ok(());
+        }
+        let message = format!("there are {count} shapes for {sizes} sizes");
+        Err(self.fault("scene::shape", &key, message).help(
+            "give a name, or a list with one name for each size of a mixture, such as `shape: [\"rice\", \"lentil\"], \
+             scale: Mixture([(1.0, 0.7), (1.0, 0.3)])`: the second number is the share of grains",
+        ))
     }
 }
 
 impl RadiusLaw {
-    /// Returns the law with all sizes multiplied.
-    fn times(&self, factor: f64) -> Self {
+    /// Returns the law with each size multiplied by the factor of its number.
+    fn times(&self, factor: impl Fn(usize) -> f64) -> Self {
         // A product that no positive number holds leaves the factor, which the rules on masses refuse.
-        let times = |size: Positive| Positive::try_from(size.get() * factor).unwrap_or(size);
+        let times = |size: Positive, number: usize| Positive::try_from(size.get() * factor(number)).unwrap_or(size);
         match self {
-            Self::Fixed(size) => Self::Fixed(times(*size)),
-            Self::Uniform(low, high) => Self::Uniform(times(*low), times(*high)),
-            Self::Mixture(sizes) => Self::Mixture(sizes.iter().map(|(size, share)| (times(*size), *share)).collect()),
+            Self::Fixed(size) => Self::Fixed(times(*size, 0)),
+            Self::Uniform(low, high) => Self::Uniform(times(*low, 0), times(*high, 0)),
+            Self::Mixture(sizes) => {
+                let sizes = sizes.iter().enumerate();
+                Self::Mixture(sizes.map(|(number, (size, share))| (times(*size, number), *share)).collect())
+            }
         }
     }
 }

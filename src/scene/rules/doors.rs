@@ -32,9 +32,12 @@ fn names(loaded: &Loaded, index: usize) -> Result<(), Fault> {
     let key = format!("doors[{index}].walls");
     let name = &scene.doors[index].walls;
     let walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
-    let (code, message, help) = if walls.clone().next().is_none() {
-        ("scene::no_such_wall", format!("no wall has the name {name:?}"), "give a wall of `walls` this `name`")
-    } else if walls.clone().any(|wall| wall.door) {
+    if walls.clone().next().is_none() {
+        return Err(loaded
+            .fault("scene::no_such_wall", &key, format!("no wall has the name {name:?}"))
+            .help(loaded.help_for_wall(name)));
+    }
+    let (code, message, help) = if walls.clone().any(|wall| wall.door) {
         (
             "scene::two_doors",
             format!("a wall named {name:?} has `door: true`, so it belongs to the key `door` as well"),

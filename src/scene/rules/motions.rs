@@ -1,5 +1,7 @@
 //! Rules on `motions`: each moves walls that exist, that nothing else moves.
 
+use std::borrow::Cow;
+
 use crate::scene::loaded::Loaded;
 use crate::scene::rules::directions::has_no_direction;
 use siloflow_dem::space::Dimension;
@@ -10,7 +12,7 @@ use siloflow_text::fault::Fault;
 pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
     let motions = &loaded.scene.motions;
     for (index, motion) in motions.iter().enumerate() {
-        let fault = |(code, key, message, help): (_, &str, String, &str)| {
+        let fault = |(code, key, message, help): Broken<'_>| {
             let key = if key.is_empty() { format!("motions[{index}]") } else { format!("motions[{index}].{key}") };
             loaded.fault(code, &key, message).help(help)
         };
@@ -21,7 +23,7 @@ pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
 }
 
 /// A broken rule: code, key within the motion, message, help.
-type Broken<'a> = (&'static str, &'a str, String, &'a str);
+type Broken<'a> = (&'static str, &'a str, String, Cow<'a, str>);
 
 /// The walls exist, and nothing else moves them.
 fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Broken<'static>> {
@@ -30,7 +32,7 @@ fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Brok
     let mut walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
     if walls.clone().next().is_none() {
         let message = format!("no wall has the name {name:?}");
-        return Err(("scene::no_such_wall", "walls", message, "give a wall of `walls` this `name`"));
+        return Err(("scene::no_such_wall", "walls", message, loaded.help_for_wall(name).into()));
     }
     let other = if before.iter().any(|other| other.walls == *name) {
         "another motion"
@@ -42,7 +44,7 @@ fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Brok
         return Ok(());
     };
     let message = format!("a wall named {name:?} already moves by {other}");
-    Err(("scene::two_motions", "walls", message, "move a wall by one thing"))
+    Err(("scene::two_motions", "walls", message, "move a wall by one thing".into()))
 }
 
 /// There is something to do, from a beginning to a later end, about an axis that the space has.
@@ -70,5 +72,5 @@ fn course(loaded: &Loaded, motion: &Motion) -> Result<(), Broken<'static>> {
         }
         _ => return Ok(()),
     };
-    Err((code, key, message.to_owned(), help))
+    Err((code, key, message.to_owned(), help.into()))
 }

@@ -59,6 +59,11 @@ fn colour(loaded: &Loaded, colour: &Colour) -> Result<(), Fault> {
             .fault("scene::out_of_range", "pictures.colour", "the scale must begin below its end")
             .help("give both ends, for example `Column(\"radius\", 0.03, 0.04)`"));
     }
+    if name == Colour::INCLINATION && loaded.shapes.is_empty() {
+        return Err(loaded
+            .fault("scene::no_such_column", "pictures.colour", "spheres and discs have no inclination")
+            .help("give the grains a shape with `shapes`, or choose another column"));
+    }
     if loaded.scene.behaviours.is_empty() && !Colour::COLUMNS.contains(&name.as_str()) {
         return Err(loaded
             .fault("scene::no_such_column", "pictures.colour", format!("grains have no column `{name}` of one number"))
@@ -168,14 +173,16 @@ pub(super) fn bins(loaded: &Loaded) -> Result<(), Fault> {
 pub(super) fn wall_bands(loaded: &Loaded) -> Result<(), Fault> {
     for (index, bands) in loaded.scene.wall_bands.iter().enumerate() {
         let mut walls = loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&bands.walls));
-        let (code, key, message, help) = if walls.clone().next().is_none() {
-            (
-                "scene::no_such_wall",
-                "walls",
-                format!("no wall has the name {:?}", bands.walls),
-                "give a wall of `walls` this `name`",
-            )
-        } else if walls.any(|wall| matches!(wall.shape, WallShape::HalfPlane { .. })) {
+        if walls.clone().next().is_none() {
+            return Err(loaded
+                .fault(
+                    "scene::no_such_wall",
+                    &format!("wall_bands[{index}].walls"),
+                    format!("no wall has the name {:?}", bands.walls),
+                )
+                .help(loaded.help_for_wall(&bands.walls)));
+        }
+        let (code, key, message, help) = if walls.any(|wall| matches!(wall.shape, WallShape::HalfPlane { .. })) {
             let message = format!("a half-plane named {:?} has no ends, so its area is not known", bands.walls);
             ("scene::no_ends", "walls", message, "use a segment, in solid space a panel")
         } else if bands.low.get() >= bands.high.get() {

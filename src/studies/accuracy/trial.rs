@@ -10,16 +10,18 @@ use glam::DVec2;
 
 use super::Scheme;
 use super::case::{Answer, Case};
-use super::reference::{Floor, Law, Rolling, State, System, Vibration};
+use super::reference::{Clump, Floor, Law, Rolling, State, System, Vibration};
 use crate::behaviour::Registry;
 use crate::grains::file::GrainRow;
+use crate::grains::shaped::Posture;
 use crate::scene::load;
 use crate::scene::loaded::Loaded;
 use crate::scene::rules;
 use crate::simulation::Simulation;
+use siloflow_dem::bodies::{Orientation, Shape};
 use siloflow_dem::outcome::End;
 use siloflow_dem::particle::{Grain, GrainId, Position, Species, Velocity};
-use siloflow_dem::space::Solid;
+use siloflow_dem::space::{Plane, Rotor, Solid};
 use siloflow_dem::spin::Spin;
 use siloflow_text::fault::Fault;
 
@@ -32,24 +34,24 @@ pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f6
     let width = spacing(answers);
     let text = scene_text(&first.system, &floors(answers, width), scheme, dt, until);
     let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
+    let mut number = 0;
     for (copy, answer) in answers.iter().enumerate() {
-        for (i, disc) in answer.system.discs.iter().enumerate() {
-            let number = u32::try_from(copy * answer.system.discs.len() + i + 1).unwrap_or(u32::MAX);
+        for (i, disc) in answer.system.discs.iter().enumerate().filter(|&(i, _)| !is_member(&answer.system, i)) {
+            number += 1;
             let id =
                 GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "the case has too many grains"))?;
             let position = (answer.start.x[i] + offset(width, copy)).extend(0.0);
             let velocity = answer.start.v[i].extend(0.0);
             let spin = Solid::Z * answer.start.w[i];
-            let row = GrainRow {
-                id,
-                radius: disc.radius,
-                mass: disc.mass,
-                position,
-                velocity,
-                spin,
-                posture: None,
-                species: Species(0),
-            };
+            let clump = answer.system.clumps.iter().find(|clump| clump.centre == i);
+            let facts = loaded.shapes.facts.first();
+            let posture = clump.zip(facts).map(|(clump, facts)| Posture {
+                shape: Shape(0),
+                rotor: Rotor::<Plane>::to_quaternion(axis(clump, &answer.start)),
+                reach: facts.reach,
+            });
+            let radius = posture.and(facts).map_or(disc.radius, |facts| facts.equivalent_radius);
+            let row = GrainRow { id, radius, mass: disc.mass, position, velocity, spin, posture, species: Species(0) };
             loaded.grains.push(row);
         }
     }
@@ -99,23 +101,63 @@ fn offset(width: f64, copy: usize) -> DVec2 {
     DVec2::new(width * copy as f64, 0.0)
 }
 
+/// Whether a disc is one of a clump, and so no grain of its own.
+fn is_member(system: &System, disc: usize) -> bool {
+    system.clumps.iter().any(|clump| clump.members.contains(&disc))
+}
+
+/// Returns the direction from the first to the last disc of a clump.
+fn axis(clump: &Clump, state: &State) -> DVec2 {
+    (state.x[clump.members.end - 1] - state.x[clump.members.start]).normalize_or(DVec2::X)
+}
+
 /// Returns the state of each copy in the coordinates of its system.
 fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
     let width = spacing(answers);
     let world = simulation.world_mut();
-    let mut query = world.query_filtered::<(&GrainId, &Position, &Velocity, Option<&Spin>), With<Grain>>();
-    let mut rows: Vec<_> = query.iter(world).map(|(id, x, v, w)| (*id, x.0, v.0, w.map_or(0.0, |w| w.0))).collect();
+    let mut query =
+        world.query_filtered::<(&GrainId, &Position, &Velocity, Option<&Spin>, Option<&Orientation>), With<Grain>>();
+    let grain = |(id, x, v, w, rotor): (&GrainId, &Position, &Velocity, Option<&Spin>, Option<&Orientation>)| {
+        (*id, x.0, v.0, w.map_or(0.0, |w| w.0), rotor.map_or(DVec2::X, |rotor| rotor.0))
+    };
+    let mut rows: Vec<_> = query.iter(world).map(grain).collect();
     rows.sort_unstable_by_key(|row| row.0);
     let mut rows = rows.into_iter();
     let state_of_copy = |copy: usize| {
-        let own: Vec<_> = rows.by_ref().take(answers[copy].system.discs.len()).collect();
-        State {
-            x: own.iter().map(|row| row.1 - offset(width, copy)).collect(),
-            v: own.iter().map(|row| row.2).collect(),
-            w: own.iter().map(|row| row.3).collect(),
+        let Answer { system, start, .. } = &answers[copy];
+        let mut state = State { x: Vec::new(), v: Vec::new(), w: Vec::new() };
+        let mut rotor = DVec2::X;
+        for i in 0..system.discs.len() {
+            if let Some(clump) = system.clumps.iter().find(|clump| clump.members.contains(&i)) {
+                // The arm at the start, turned.
+                let back = DVec2::new(axis(clump, start).x, -axis(clump, start).y);
+                let arm = rotor.rotate(back.rotate(start.x[i] - start.x[clump.centre]));
+                let spin = state.w[clump.centre];
+                state.x.push(state.x[clump.centre] + arm);
+                state.v.push(state.v[clump.centre] + arm.perp() * spin);
+                state.w.push(spin);
+            } else if let Some(row) = rows.next() {
+                state.x.push(row.1 - offset(width, copy));
+                state.v.push(row.2);
+                state.w.push(row.3);
+                rotor = row.4;
+            }
         }
+        state
     };
     (0..answers.len()).map(state_of_copy).collect()
+}
+
+/// Returns the key `shapes` of a system with clumps, which all have the shape of the first.
+fn shapes(system: &System) -> String {
+    let Some(clump) = system.clumps.first() else { return String::new() };
+    let start = system.start();
+    let back = DVec2::new(axis(clump, &start).x, -axis(clump, &start).y);
+    let disc = |i: usize| {
+        let at = back.rotate(start.x[i] - start.x[clump.centre]);
+        format!("(at: {}, radius: {:?})", vector(at), system.discs[i].radius)
+    };
+    format!("shapes: {{\"clump\": Discs([{}])}}, ", clump.members.clone().map(disc).collect::<Vec<_>>().join(", "))
 }
 
 fn vector(v: DVec2) -> String {
@@ -182,9 +224,10 @@ fn scene_text(system: &System, floors: &str, scheme: &Scheme, dt: f64, until: f6
         ),
     };
     format!(
-        "(gravity: {}, contact: {contact}, {floors}, integrator: {}, step: Fixed({dt:?}), until: {until:?}, \
+        "(gravity: {}, contact: {contact}, {}{floors}, integrator: {}, step: Fixed({dt:?}), until: {until:?}, \
          pictures: None)",
         vector(system.gravity),
+        shapes(system),
         scheme.name()
     )
 }

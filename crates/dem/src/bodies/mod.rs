@@ -8,16 +8,22 @@
 //! |---|---|
 //! | [`shape`] | a shape with its mass properties, and the components of a shaped grain |
 //! | [`config`] | the scene key `shapes` |
-//! | [`makers`] | shapes from a few numbers: ellipsoids, capsules, polygons |
+//! | [`crops`] | published sizes of grains |
+//! | [`makers`] | chains of spheres: capsules, ellipses, ellipsoids of revolution |
+//! | [`surfaces`] | points of other surfaces: any ellipsoids, polygons, closed meshes |
+//! | [`cover`] | spheres for the points of a surface |
 //! | [`disc_union`] | area and moments of a union of discs, exact |
 //! | [`sphere_union`] | volume and moments of a union of spheres, by slices |
 //! | [`symmetric`] | eigenvalues of a symmetric matrix |
 
 pub mod config;
+pub mod cover;
+pub mod crops;
 pub mod disc_union;
 pub mod makers;
 pub mod shape;
 pub mod sphere_union;
+pub mod surfaces;
 pub mod symmetric;
 
 pub use self::shape::{Orientation, RigidShape, Shape, ShapeFault, ShapeSphere};

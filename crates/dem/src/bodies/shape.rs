@@ -63,6 +63,9 @@ pub struct RigidShape<V: Space = Plane> {
     pub centre: V,
     /// The largest mass of the grain over the effective mass at a contact.
     pub mobility: f64,
+    /// The unit vector, in the principal axes, by which orientations are measured; `None` if no direction stands out. It points along a long shape
+    /// and across a flat one: in solid space it is the axis whose moment differs most from the middle one.
+    pub director: Option<V>,
 }
 
 /// Why spheres form no shape.
@@ -102,6 +105,32 @@ struct MassProperties<V: Space> {
     centre: V,
     gyration: V::Principal,
     axes: V::Rotor,
+    director: Option<V>,
+}
+
+/// Least relative difference of moments by which a direction stands out.
+const LEAST_DIFFERENCE: f64 = 1e-6;
+
+/// Returns the direction along which an area with these second moments is longest.
+fn long_axis(squares: Plane, mixed: f64) -> Option<Plane> {
+    // The direction of twice the angle.
+    let doubled = Plane::new(squares.x - squares.y, 2.0 * mixed);
+    let length = Linear::length(doubled);
+    if length <= LEAST_DIFFERENCE * (squares.x + squares.y) {
+        return None;
+    }
+    let Plane { x, y } = doubled / length;
+    let half = if x > 0.0 { Plane::new(1.0 + x, y) } else { Plane::new(y.abs(), (1.0 - x).copysign(y)) };
+    Some(half / Linear::length(half))
+}
+
+/// Returns the axis whose moment differs most from the middle one.
+fn outstanding_axis(moments: Solid) -> Option<Solid> {
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| moments[i].total_cmp(&moments[j]));
+    let [low, middle, high] = order.map(|axis| moments[axis]);
+    let axis = if middle - low < high - middle { order[2] } else { order[0] };
+    (high - low > LEAST_DIFFERENCE * high).then(|| Solid::ZERO.with_axis(axis, 1.0))
 }
 
 impl<V: Space> MassProperties<V> {
@@ -124,6 +153,7 @@ impl<V: Space> MassProperties<V> {
                     centre: V::narrow(centre.extend(0.0)),
                     gyration: V::Principal::from_components(|_| gyration),
                     axes: V::Rotor::IDENTITY,
+                    director: long_axis(moments.second, moments.mixed).map(|axis| V::narrow(axis.extend(0.0))),
                 }
             }
             Dimension::Solid => {
@@ -135,6 +165,7 @@ impl<V: Space> MassProperties<V> {
                     centre: V::narrow(moments.centre),
                     gyration: V::Principal::from_components(|axis| eigen.values[axis]),
                     axes: V::Rotor::from_axes(eigen.vectors),
+                    director: outstanding_axis(eigen.values).map(V::narrow),
                 }
             }
         }
@@ -171,6 +202,16 @@ fn fault<V: Space>(spheres: &[ShapeSphere<V>]) -> Option<ShapeFault> {
     reached.iter().position(|&is_reached| !is_reached).map(ShapeFault::Apart)
 }
 
+/// Returns principal moments of which those that differ by less than 1e-8 are equal. They are known to 1e-10 only, and bodies of revolution turn
+/// exactly and with half the work.
+fn snapped<P: Linear>(moments: P) -> P {
+    P::from_components(|axis| {
+        let moment = moments.component(axis);
+        let mut earlier = (0..axis).map(|axis| moments.component(axis));
+        earlier.find(|earlier| (moment / earlier - 1.0).abs() < 1e-8).unwrap_or(moment)
+    })
+}
+
 /// Returns the largest m (r x n) I^-1 (r x n) over all directions n, for a place r from the centre.
 fn turning_mobility<V: Space>(arm: V, gyration: V::Principal) -> f64 {
     match V::DIMENSION {
@@ -202,11 +243,12 @@ impl<V: Space> RigidShape<V> {
         if let Some(fault) = fault(spheres) {
             return Err(fault);
         }
-        let MassProperties { size, centre, gyration, axes } = MassProperties::<V>::of(spheres);
+        let MassProperties { size, centre, gyration, axes, director } = MassProperties::<V>::of(spheres);
+        let gyration = snapped(gyration);
         let in_axes = |sphere: &ShapeSphere<V>| ShapeSphere { at: axes.turn_back(sphere.at - centre), ..*sphere };
         let spheres: Vec<_> = spheres.iter().map(in_axes).collect();
         let turning = spheres.iter().map(|sphere| turning_mobility(sphere.at, gyration)).fold(0.0, f64::max);
-        Ok(Self { name: name.into(), spheres, size, gyration, axes, centre, mobility: 1.0 + turning })
+        Ok(Self { name: name.into(), spheres, size, gyration, axes, centre, mobility: 1.0 + turning, director })
     }
 
     /// Returns the radius (m) of the sphere of equal volume; in the plane, of the disc of equal area.
@@ -282,6 +324,28 @@ mod tests {
         // A rod of length L: I = m L^2/12, so 1 + (L/2)^2/(L^2/12) = 4.
         assert!((shape.mobility - 4.0).abs() < 0.1, "{}", shape.mobility);
         assert!((shape.spheres[0].at + shape.spheres[199].at).length() < 1e-12);
+    }
+
+    #[test]
+    fn the_director_points_along_long_shapes_and_across_flat_ones() {
+        let rod = RigidShape::new("rod", &[disc(0.0, 0.0, 1.0), disc(0.6, 0.8, 1.0)]).unwrap();
+        assert!((rod.director.unwrap() - Plane::new(0.6, 0.8)).length() < 1e-12);
+        let upright = RigidShape::new("rod", &[disc(0.0, 0.0, 1.0), disc(0.0, 1.0, 1.0)]).unwrap();
+        assert!((upright.director.unwrap().y.abs() - 1.0).abs() < 1e-12);
+        assert_eq!(RigidShape::new("disc", &[disc(0.3, 0.0, 1.0)]).unwrap().director, None);
+        let along = |spheres: &[ShapeSphere<Solid>]| {
+            let shape = RigidShape::new("", spheres).unwrap();
+            shape.director.map(|director| shape.axes.turn(director))
+        };
+        let rod = along(&[sphere(0.0, 0.0, 0.0, 1.0), sphere(0.0, 0.6, 0.8, 1.0)]).unwrap();
+        assert!((rod.dot(Solid::new(0.0, 0.6, 0.8)).abs() - 1.0).abs() < 1e-9);
+        let ring = [
+            sphere(1.0, 0.0, 0.0, 0.9),
+            sphere(-0.5, 0.75_f64.sqrt(), 0.0, 0.9),
+            sphere(-0.5, -0.75_f64.sqrt(), 0.0, 0.9),
+        ];
+        assert!((along(&ring).unwrap().z.abs() - 1.0).abs() < 1e-9);
+        assert_eq!(along(&[sphere(0.0, 0.0, 0.0, 1.0)]), None);
     }
 
     #[test]

@@ -119,7 +119,7 @@ impl<V: Space> ForcePass<'_, V> {
         }
         let largest = threads.share(workers).into_iter().fold(deepest, f64::max);
         store.loads = loads;
-        store.gather_bodies();
+        store.gather_bodies(threads);
         if self.counts {
             store.share_contact_counts();
             store.store_lone(self.starts);

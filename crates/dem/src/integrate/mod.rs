@@ -4,6 +4,7 @@ mod euler;
 mod recorded_velocity;
 pub mod rigid;
 pub mod rotation;
+mod scatter;
 mod verlet;
 pub mod wrap;
 

@@ -4,7 +4,7 @@
 //! ([`Rotor::freely_turned`]), and a second half kick ends the step. Without torques L is constant to the last bit. The scheme is of second
 //! order, symplectic and time-reversible, as velocity Verlet is for the centres.
 //!
-//! The spheres then follow their bodies (`store/body_motion.rs`). Their velocities at the end of a step are set only if the kick is not deferred, that
+//! The spheres then follow their bodies (`integrate/scatter.rs`). Their velocities at the end of a step are set only if the kick is not deferred, that
 //! is, if a system reads velocities.
 
 use std::sync::Arc;
@@ -14,83 +14,115 @@ use bevy_ecs::prelude::*;
 
 use crate::bodies::RigidShape;
 use crate::integrate::rotation::{first_kick, second_kick};
-use crate::space::{Linear, Rotor, Space};
+use crate::integrate::scatter::scatter;
+use crate::space::{Linear, Rotor, Space, Turned};
 use crate::step::{Clock, Part, Phase, Step};
 use crate::store::{
-    Kicked, MirrorSet, ParticleStore, PendingKick, SpinsDrifted, TOTAL, TOTAL_AND_DISSIPATIVE, add_second_kick,
-    kick_term,
+    BodyColumns, ChunkedPass, Kicked, MirrorSet, ParticleStore, PendingKick, SpinsDrifted, TOTAL,
+    TOTAL_AND_DISSIPATIVE, add_second_kick, kick_term,
 };
 
 /// Makes the first kick of all bodies and turns them, after the pending second kick of the previous step if `SECOND`.
-fn turn_all<V: Space, const NUMBERS: usize, const SECOND: bool>(dt: f64, store: &mut ParticleStore<V>) {
+fn turn_all<V: Space, const NUMBERS: usize, const SECOND: bool>(
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) {
     let predicts = store.predicts();
     let share = store.prediction.spin_share;
-    let mut sum = store.spin_kick_sum.unwrap_or(V::Spin::ZERO);
-    for b in 0..store.bodies.free {
-        let torque = store.loads.torque.entries::<NUMBERS>()[b];
-        let gain = torque[0] * (0.5 * dt);
-        let inverse_inertia = store.bodies.inverse_inertia[b];
-        let rotor = store.bodies.rotor[b];
-        let mut momentum = store.bodies.momentum[b];
-        if SECOND {
-            momentum += gain;
-            sum += kick_term(&torque, rotor.spin(momentum, inverse_inertia));
-        }
-        momentum += gain;
-        let turned = rotor.freely_turned(momentum, inverse_inertia, dt);
-        let before = rotor.spin(momentum, inverse_inertia);
-        let middle = (before + turned.spin(momentum, inverse_inertia)) * 0.5;
-        if predicts {
-            store.prediction.middle_spin[b] = middle;
-            store.rotation[b].spin = turned.spin(momentum + gain * share, inverse_inertia);
-        } else {
-            store.rotation[b].spin = middle;
-        }
-        store.bodies.momentum[b] = momentum;
-        store.bodies.rotor[b] = turned;
-    }
+    // Without prediction nobody reads it.
+    let mut middle_spin = std::mem::take(&mut store.prediction.middle_spin);
+    middle_spin.resize(store.rotation.len(), V::Spin::ZERO);
+    let free = store.bodies.free;
+    let ParticleStore { bodies: BodyColumns { momentum, rotor, inverse_inertia, .. }, loads, rotation, .. } = store;
+    let turning = (&mut momentum[..free], (&mut rotor[..free], &mut inverse_inertia[..free]));
+    let spins = (&mut rotation[..free], &mut middle_spin[..free]);
+    let sums = chunked.in_chunks(
+        &loads.torque.entries::<NUMBERS>()[..free],
+        (turning, spins),
+        #[inline(always)]
+        |torque, ((momentum, (rotor, inverse_inertia)), (rotation, middle_spin)), sum: &mut V::Spin| {
+            let inverse_inertia = *inverse_inertia;
+            let gain = torque[0] * (0.5 * dt);
+            let own_gain = rotor.own(gain);
+            let mut own = rotor.own(*momentum);
+            if SECOND {
+                *momentum += gain;
+                own += own_gain;
+                *sum += kick_term(torque, rotor.spin_of_own(own, inverse_inertia));
+            }
+            *momentum += gain;
+            own += own_gain;
+            let before = rotor.spin_of_own(own, inverse_inertia);
+            let Turned { rotor: turned, own } = rotor.freely_turned(own, inverse_inertia, dt);
+            let after = turned.spin_of_own(own, inverse_inertia);
+            let middle = (before + after) * 0.5;
+            if predicts {
+                *middle_spin = middle;
+                rotation.spin = turned.spin_of_own(own + turned.own(gain * share), inverse_inertia);
+            } else {
+                rotation.spin = middle;
+            }
+            *rotor = turned;
+        },
+    );
     if SECOND {
-        store.spin_kick_sum = Some(sum);
+        add_to_kick_sum(sums, store);
     }
+    store.prediction.middle_spin = middle_spin;
+}
+
+/// Adds the sums of chunks to [`ParticleStore::spin_kick_sum`].
+fn add_to_kick_sum<V: Space>(sums: Vec<V::Spin>, store: &mut ParticleStore<V>) {
+    let before = store.spin_kick_sum.unwrap_or(V::Spin::ZERO);
+    store.spin_kick_sum = Some(sums.into_iter().fold(before, |sum, one| sum + one));
 }
 
 /// Makes the second kick of all bodies.
-fn kick_all<V: Space, const NUMBERS: usize>(dt: f64, store: &mut ParticleStore<V>) {
-    let mut sum = store.spin_kick_sum.unwrap_or(V::Spin::ZERO);
-    for b in 0..store.bodies.free {
-        let torque = store.loads.torque.entries::<NUMBERS>()[b];
-        let momentum = store.bodies.momentum[b] + torque[0] * (0.5 * dt);
-        let spin = store.bodies.rotor[b].spin(momentum, store.bodies.inverse_inertia[b]);
-        sum += kick_term(&torque, spin);
-        store.bodies.momentum[b] = momentum;
-        store.rotation[b].spin = spin;
-    }
-    store.spin_kick_sum = Some(sum);
+fn kick_all<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, store: &mut ParticleStore<V>) {
+    let free = store.bodies.free;
+    let ParticleStore { bodies: BodyColumns { momentum, rotor, inverse_inertia, .. }, loads, rotation, .. } = store;
+    let sums = chunked.in_chunks(
+        &loads.torque.entries::<NUMBERS>()[..free],
+        ((&mut momentum[..free], &mut rotor[..free]), (&mut inverse_inertia[..free], &mut rotation[..free])),
+        #[inline(always)]
+        |torque, ((momentum, rotor), (inverse_inertia, rotation)), sum: &mut V::Spin| {
+            *momentum += torque[0] * (0.5 * dt);
+            rotation.spin = rotor.spin(*momentum, *inverse_inertia);
+            *sum += kick_term(torque, rotation.spin);
+        },
+    );
+    add_to_kick_sum(sums, store);
 }
 
-fn turn_bodies<V: Space>(clock: Res<Clock>, second: Res<PendingKick>, mut store: ResMut<ParticleStore<V>>) {
+fn turn_bodies<V: Space>(
+    clock: Res<Clock>,
+    chunked: ChunkedPass,
+    second: Res<PendingKick>,
+    mut store: ResMut<ParticleStore<V>>,
+) {
     if store.bodies.free == 0 {
         return;
     }
     store.stale.add(MirrorSet::SPIN.or(MirrorSet::ORIENTATION).and(MirrorSet::FREE));
     let dt = clock.dt;
     match (store.tracks_energy, second.is_pending) {
-        (true, true) => turn_all::<V, TOTAL_AND_DISSIPATIVE, true>(dt, &mut store),
-        (true, false) => turn_all::<V, TOTAL_AND_DISSIPATIVE, false>(dt, &mut store),
-        (false, true) => turn_all::<V, TOTAL, true>(dt, &mut store),
-        (false, false) => turn_all::<V, TOTAL, false>(dt, &mut store),
+        (true, true) => turn_all::<V, TOTAL_AND_DISSIPATIVE, true>(dt, &chunked, &mut store),
+        (true, false) => turn_all::<V, TOTAL_AND_DISSIPATIVE, false>(dt, &chunked, &mut store),
+        (false, true) => turn_all::<V, TOTAL, true>(dt, &chunked, &mut store),
+        (false, false) => turn_all::<V, TOTAL, false>(dt, &chunked, &mut store),
     }
-    store.scatter_bodies(dt);
+    scatter(dt, &chunked, &mut store);
 }
 
-fn kick_bodies<V: Space>(clock: Res<Clock>, mut store: ResMut<ParticleStore<V>>) {
+fn kick_bodies<V: Space>(clock: Res<Clock>, chunked: ChunkedPass, mut store: ResMut<ParticleStore<V>>) {
     if store.bodies.free == 0 {
         return;
     }
     if store.tracks_energy {
-        kick_all::<V, TOTAL_AND_DISSIPATIVE>(clock.dt, &mut store);
+        kick_all::<V, TOTAL_AND_DISSIPATIVE>(clock.dt, &chunked, &mut store);
     } else {
-        kick_all::<V, TOTAL>(clock.dt, &mut store);
+        kick_all::<V, TOTAL>(clock.dt, &chunked, &mut store);
     }
     store.scatter_velocities();
     store.stale.add(MirrorSet::SPIN.and(MirrorSet::FREE));

@@ -19,7 +19,7 @@ use std::ops::{Add, AddAssign, Div, IndexMut, Mul, Neg, Sub, SubAssign};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-pub use self::rotor::{Quaternion, Rotor};
+pub use self::rotor::{Quaternion, Rotor, Turned};
 
 /// The plane: (x, y), y is up.
 pub type Plane = glam::DVec2;

@@ -108,13 +108,13 @@ pub struct BodyColumns<V: Space = Plane> {
     /// The rows of the spheres, body by body in the shape's order.
     pub(super) rows: Vec<u32>,
     /// The first row that can be a sphere of a body.
-    pub(super) first_sphere: usize,
+    pub(crate) first_sphere: usize,
     /// The end of the rows of spheres.
     pub(super) contact_end: usize,
     /// The sphere that each row from `first_sphere` on is; of no body if the row is a fixed sphere by itself.
-    spheres: Vec<SphereOfBody>,
+    pub(crate) spheres: Vec<SphereOfBody>,
     /// The place of each of these spheres from the centre of its body, m.
-    pub(super) arm: Vec<V>,
+    pub(crate) arm: Vec<V>,
 }
 
 impl<V: Space> Default for BodyColumns<V> {
@@ -255,6 +255,13 @@ impl<V: Space> ParticleStore<V> {
         }
         let beyond = i.checked_sub(self.contact_rows().end)?;
         (i < self.len()).then(|| BodySlot::of(self.bodies.free + beyond))
+    }
+
+    /// The [director](RigidShape::director) of the grain in row `i`, which may be one of its spheres; `None` if the grain has none.
+    #[must_use]
+    pub fn director(&self, i: usize) -> Option<V> {
+        let body = self.body_of_row(i).or_else(|| self.bodies.sphere(i).map(|sphere| sphere.body))?;
+        Some(self.bodies.rotor[body.index()].turn(self.bodies.shape_of(body).director?))
     }
 
     /// Whether row `i` is one grain or one fixed particle: not a sphere of a body.

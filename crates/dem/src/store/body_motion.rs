@@ -1,7 +1,7 @@
 //! The motion of spheres with their bodies, and the sums of their loads.
 //!
-//! * *Scatter* ([`ParticleStore::scatter_bodies`]), after the drift: a sphere at b in the body is at X + R b and moves with V + w x R b. In the
-//!   middle of a step it moves with its displacement over dt, so that springs follow the positions.
+//! * *Scatter*: a sphere at b in the body is at X + R b and moves with V + w x R b. Each drift does it for all free bodies at once
+//!   (`integrate/scatter.rs`); here it is done for one body, and for the velocities alone.
 //! * *Gather* ([`ParticleStore::gather_bodies`]), after the contacts: F = sum F_a, T = sum (T_a + R b_a x F_a), in the shape's order, so that the
 //!   sums do not depend on the order of rows.
 //!
@@ -10,8 +10,9 @@
 use crate::space::{Linear, Rotor, Space};
 use crate::store::bodies::{BodyColumns, BodySlot};
 use crate::store::longest_move::LongestMove;
-use crate::store::prediction::swept_radius;
+use crate::store::parallel_chunks::CHUNK;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
+use crate::threads::Threads;
 
 impl<V: Space> ParticleStore<V> {
     /// Sets the numbers of all spheres that follow from their bodies: radius, 1/m, species, place and motion.
@@ -80,54 +81,6 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Moves the spheres of free bodies after a drift of `dt`, s.
-    pub(crate) fn scatter_bodies(&mut self, dt: f64) {
-        let predicts = self.predicts();
-        let per_time = 1.0 / dt;
-        let mut longest = LongestMove::default();
-        for b in 0..self.bodies.free {
-            let centre = self.body[b];
-            let middle = self.middle_velocity(b);
-            let spin = self.rotation[b].spin;
-            let middle_spin = self.middle_spin(b);
-            let Self { bodies, body, rotation, prediction, periodic, .. } = self;
-            let BodyColumns { shapes, shape, scale, rotor, starts, rows, first_sphere, arm, .. } = bodies;
-            let rows = &rows[starts[b] as usize..starts[b + 1] as usize];
-            for (&row, sphere) in rows.iter().zip(&shapes[shape[b].index()].spheres) {
-                let row = row as usize;
-                let turned = rotor[b].turn(sphere.at * scale[b]);
-                let before = std::mem::replace(&mut arm[row - *first_sphere], turned);
-                let moved = middle * dt + (turned - before);
-                let squared = longest.raise(moved);
-                let sphere = &mut body[row];
-                sphere.position = centre.position + turned;
-                if let Some(periodic) = periodic {
-                    periodic.wrap(&mut sphere.position);
-                }
-                rotation[row].spin = spin;
-                // In the middle of the step.
-                let velocity = moved * per_time;
-                if predicts {
-                    sphere.velocity = centre.velocity + turned.turned_by(spin);
-                    V::set_middle(velocity, &mut sphere.middle, &mut prediction.middle[row]);
-                    prediction.middle_spin[row] = middle_spin;
-                    if let Some(swept) = prediction.swept.get_mut(row) {
-                        *swept = swept_radius(sphere.radius, squared.sqrt(), prediction.range);
-                    }
-                } else {
-                    sphere.velocity = velocity;
-                }
-            }
-        }
-        let longest = longest.length();
-        // The drift has counted the moves of all centres. The longest move of all particles counts; NaN stays.
-        let beyond = longest - self.bodies.drifted;
-        self.travel += if beyond <= 0.0 { 0.0 } else { beyond };
-        if predicts {
-            self.widen_margin(longest);
-        }
-    }
-
     /// Gives the spheres of free bodies the velocities of the step's end, after the kick.
     pub(crate) fn scatter_velocities(&mut self) {
         for b in 0..self.bodies.free {
@@ -157,38 +110,55 @@ impl<V: Space> ParticleStore<V> {
     }
 
     /// Adds the forces and torques of the spheres to those of their bodies.
-    pub(crate) fn gather_bodies(&mut self) {
+    pub(crate) fn gather_bodies(&mut self, threads: &Threads) {
+        if self.bodies.is_empty() {
+            return;
+        }
         if self.tracks_energy {
-            self.gather::<TOTAL_AND_DISSIPATIVE>();
+            self.gather::<TOTAL_AND_DISSIPATIVE>(threads);
         } else {
-            self.gather::<TOTAL>();
+            self.gather::<TOTAL>(threads);
         }
     }
 
-    fn gather<const NUMBERS: usize>(&mut self) {
-        for body in self.bodies.all() {
-            let carrier = self.row_of_body(body);
-            let Self { bodies, loads, .. } = self;
-            let rows = bodies.rows_of(body);
-            let forces = loads.force.entries_mut::<NUMBERS>();
-            let torques = loads.torque.entries_mut::<NUMBERS>();
-            let mut force = forces[carrier];
-            let mut torque = [V::Spin::ZERO; NUMBERS];
-            for &row in rows {
-                let row = row as usize;
-                let arm = bodies.arm(row);
-                for number in 0..NUMBERS {
-                    force[number] += forces[row][number];
-                    torque[number] += torques[row][number] + arm.cross(forces[row][number]);
+    fn gather<const NUMBERS: usize>(&mut self, threads: &Threads) {
+        let fixed = self.contact_rows().end;
+        let Self { bodies, loads, .. } = self;
+        let first = bodies.first_sphere;
+        // Spheres lie between free bodies and fixed bodies.
+        let (free_forces, others) = loads.force.entries_mut::<NUMBERS>().split_at_mut(first);
+        let (sphere_forces, fixed_forces) = others.split_at_mut(fixed - first);
+        let (free_torques, others) = loads.torque.entries_mut::<NUMBERS>().split_at_mut(first);
+        let (sphere_torques, fixed_torques) = others.split_at_mut(fixed - first);
+        let spheres = SphereLoads { forces: sphere_forces, torques: sphere_torques, first };
+        let bodies = &*bodies;
+        let count = bodies.free;
+        let mut free = free_forces[..count].iter_mut().zip(&mut free_torques[..count]).enumerate();
+        let size = count.div_ceil(threads.count()).max(CHUNK);
+        let jobs = (0..count.div_ceil(size)).map(|_| {
+            let part: Vec<_> = free.by_ref().take(size).collect();
+            move || {
+                for (b, (force, torque)) in part {
+                    spheres.gather(bodies, b, force, torque);
                 }
             }
-            forces[carrier] = force;
-            torques[carrier] = torque;
-            if !loads.rolling_drag.is_empty() {
-                // All of it is in the body then, so that no power counts twice.
-                let drag = &mut loads.rolling_drag;
-                drag[carrier] = rows.iter().map(|&row| std::mem::take(&mut drag[row as usize])).sum();
-            }
+        });
+        threads.share(jobs.collect::<Vec<_>>());
+        for (place, (force, torque)) in fixed_forces.iter_mut().zip(fixed_torques).enumerate() {
+            spheres.gather(bodies, count + place, force, torque);
+        }
+        self.gather_rolling_drag();
+    }
+
+    /// Moves the dissipative torques of rolling from spheres to their bodies, so that no power counts twice.
+    fn gather_rolling_drag(&mut self) {
+        if self.loads.rolling_drag.is_empty() {
+            return;
+        }
+        for body in self.bodies.all() {
+            let carrier = self.row_of_body(body);
+            let drag = &mut self.loads.rolling_drag;
+            drag[carrier] = self.bodies.rows_of(body).iter().map(|&row| std::mem::take(&mut drag[row as usize])).sum();
         }
     }
 
@@ -200,6 +170,30 @@ impl<V: Space> ParticleStore<V> {
             let sum = rows.iter().fold(0_u16, |sum, &sphere| sum.saturating_add(contacts[sphere as usize]));
             for &sphere in rows {
                 contacts[sphere as usize] = sum;
+            }
+        }
+    }
+}
+
+/// The loads of all rows that can be spheres of bodies.
+#[derive(Clone, Copy)]
+struct SphereLoads<'a, V: Space, const NUMBERS: usize> {
+    forces: &'a [[V; NUMBERS]],
+    torques: &'a [[V::Spin; NUMBERS]],
+    /// The first of these rows.
+    first: usize,
+}
+
+impl<V: Space, const NUMBERS: usize> SphereLoads<'_, V, NUMBERS> {
+    /// Adds the loads of the spheres of body `b` to its force, and sets its torque.
+    fn gather(&self, bodies: &BodyColumns<V>, b: usize, force: &mut [V; NUMBERS], torque: &mut [V::Spin; NUMBERS]) {
+        *torque = [V::Spin::ZERO; NUMBERS];
+        for &row in bodies.rows_of(BodySlot::of(b)) {
+            let place = row as usize - self.first;
+            let arm = bodies.arm[place];
+            for number in 0..NUMBERS {
+                force[number] += self.forces[place][number];
+                torque[number] += self.torques[place][number] + arm.cross(self.forces[place][number]);
             }
         }
     }

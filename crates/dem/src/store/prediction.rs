@@ -146,7 +146,7 @@ impl<V: Space> ParticleStore<V> {
     }
 
     /// Widens the margin of all pairs if it does not allow for a move by `moved`, m, in a whole step.
-    pub(super) fn widen_margin(&mut self, moved: f64) {
+    pub(crate) fn widen_margin(&mut self, moved: f64) {
         self.prediction.margin = self.prediction.margin.max(moved * ROUNDING);
     }
 

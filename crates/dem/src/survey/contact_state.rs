@@ -20,8 +20,12 @@ pub enum Touched {
 pub struct ContactState<V: Space = Plane> {
     /// The grain from which the contact is seen.
     pub grain: GrainId,
+    /// Number of the sphere of the grain that touches; 0 if the grain is one sphere.
+    pub sphere: u16,
     /// Its partner.
     pub with: Touched,
+    /// Number of the sphere of the partner that touches; 0 for walls and for particles that are one sphere.
+    pub partner_sphere: u16,
     /// Centre of the grain, m.
     pub from: V,
     /// Vector from the centre of the grain to the centre of the partner, or to the nearest point of the wall, m.

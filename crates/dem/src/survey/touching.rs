@@ -179,9 +179,16 @@ impl<V: Space> Touching<'_, V> {
         let has_friction = force.resistance.arms.iter().any(|&arm| arm > 0.0);
         let is_sliding = has_friction && law.force(&Pair { dt, ..*pair }, &mut { *memory }).resistance.is_sliding;
         let cap = law.friction(pair) * (normal_force + law.pull(pair)).abs();
+        let sphere = |row: usize| self.survey.store.bodies.sphere(row).map_or(0, |sphere| sphere.number);
+        let partner_sphere = match self.partner {
+            Partner::Particle(row) => sphere(row),
+            Partner::Wall(_) => 0,
+        };
         ContactState {
             grain: self.grain(),
+            sphere: sphere(self.row),
             with: self.with(),
+            partner_sphere,
             from: self.from(),
             to_partner: self.to_partner(),
             overlap: pair.overlap,

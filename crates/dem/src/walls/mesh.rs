@@ -13,7 +13,7 @@ use std::path::Path;
 use rustc_hash::FxHashSet;
 
 use crate::space::Solid;
-use crate::walls::silo_file::LengthUnit;
+use crate::values::LengthUnit;
 use siloflow_text::encoding::decode;
 
 /// Most triangles of a mesh.

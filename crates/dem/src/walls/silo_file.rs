@@ -17,6 +17,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::space::Vector;
+use crate::values::LengthUnit;
 use siloflow_text::fault::Fault;
 
 /// The scene key `silo`.
@@ -30,28 +31,6 @@ pub struct Silo {
     /// Material. Default 0.
     #[serde(default)]
     pub species: u8,
-}
-
-/// A unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum LengthUnit {
-    /// 1 m.
-    Metre,
-    /// 0.01 m.
-    Centimetre,
-    /// 0.001 m.
-    Millimetre,
-}
-
-impl LengthUnit {
-    /// Returns the number of units per metre. Division by a whole number rounds once, so that 400 cm is exactly 4 m.
-    pub(crate) fn per_metre(self) -> f64 {
-        match self {
-            Self::Metre => 1.0,
-            Self::Centimetre => 100.0,
-            Self::Millimetre => 1000.0,
-        }
-    }
 }
 
 /// A fixed disc.

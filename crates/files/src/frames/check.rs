@@ -9,7 +9,7 @@ use super::codec::damaged;
 use super::{Column, Frame, Header, Values, WallGeometry};
 
 /// Columns of vectors.
-const VECTORS: [&str; 5] = ["position", "velocity", "force", "tangential_force", "point"];
+const VECTORS: [&str; 6] = ["position", "velocity", "force", "tangential_force", "point", "director"];
 
 /// Refuses a header whose space or walls are none.
 pub(super) fn header(header: &Header) -> io::Result<()> {

@@ -43,7 +43,7 @@ pub const FORMAT: u32 = 2;
 /// another one.
 pub const TAKEN_NAMES: &str = "id kind species radius mass position velocity spin force pressure coordination kinetic_energy \
     age speed time_s step type pos velo x y z vx vy vz fx fy fz position_x position_y position_z velocity_x velocity_y velocity_z \
-    spin_x spin_y spin_z force_x force_y force_z sphere";
+    spin_x spin_y spin_z force_x force_y force_z sphere inclination";
 
 /// Facts about a run that all its frames share.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -144,7 +144,35 @@ pub struct Table {
     pub columns: Vec<Column>,
 }
 
+/// A particle of a frame: a grain, or one of the spheres of a grain with a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ParticleKey {
+    /// The id of the grain; that of wall grain 3 is -3.
+    pub id: i32,
+    /// The number of the sphere in the grain's shape, 0 if the grain is one sphere.
+    pub sphere: u16,
+}
+
+impl ParticleKey {
+    /// Returns what frames are sorted by: grains by their numbers, then wall grains by theirs; spheres of a grain by theirs.
+    #[must_use]
+    pub fn place(self) -> impl Ord + Copy + use<> {
+        (self.id < 0, self.id.unsigned_abs(), self.sphere)
+    }
+}
+
 impl Table {
+    /// Returns the particles that the columns `id` and `sphere` name; `None` if there is no such column of whole numbers of four bytes. Without
+    /// the column `sphere` all spheres have the number 0.
+    #[must_use]
+    pub fn particles(&self, id: &str, sphere: &str) -> Option<Vec<ParticleKey>> {
+        let ids = self.whole(id).filter(|ids| ids.len() == self.rows)?;
+        let spheres = self.whole(sphere).filter(|spheres| spheres.len() == self.rows);
+        let sphere = |row: usize| spheres.as_ref().map_or(Some(0), |spheres| u16::try_from(spheres[row]).ok());
+        let keys = ids.into_iter().enumerate();
+        keys.map(|(row, id)| Some(ParticleKey { id: i32::try_from(id).ok()?, sphere: sphere(row)? })).collect()
+    }
+
     /// Returns the column of this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&Column> {

@@ -7,7 +7,7 @@ use super::grain_columns;
 use siloflow_files::frames::{Column, Frame, Header, Values};
 
 /// Names of the tables that frames have.
-pub const TABLES: [&str; 3] = ["grains", "contacts", "wall_contacts"];
+pub const TABLES: [&str; 4] = ["grains", "contacts", "wall_contacts", "bodies"];
 
 /// One of the tables of a frame.
 #[derive(Debug)]

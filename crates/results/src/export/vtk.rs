@@ -1,4 +1,4 @@
-//! A directory for ParaView: `grains.pvd`, `contacts.pvd` and `walls.pvd`, each a list of times and of files
+//! A directory for ParaView: `grains.pvd`, `contacts.pvd`, `walls.pvd` and `bodies.pvd`, each a list of times and of files
 //! `grains-00000.vtp` and so on.
 //!
 //! | file | geometry | columns |
@@ -6,8 +6,9 @@
 //! | `grains` | a point for each particle | all columns of the frame, and `kinetic_energy` |
 //! | `contacts` | a line from the centre of the grain to that of its partner or to the wall | `grain`, `partner` (id, or number of the wall), `with_wall`, `normal_force`, `tangential_force`, `overlap`, `sliding` |
 //! | `walls` | lines and triangles | `wall`, `species`, `door` |
+//! | `bodies` | a point for each grain with a shape, its centre of mass | all columns of the table `bodies` |
 //!
-//! Contacts and walls are left out if the frames do not hold them. A contact through a periodic side is a line to the nearest image
+//! Contacts, walls and bodies are left out if the frames do not hold them. A contact through a periodic side is a line to the nearest image
 //! of the partner.
 
 use std::collections::HashMap;
@@ -17,7 +18,7 @@ use std::path::{Path, PathBuf};
 use super::grain_columns;
 use super::vtp::PolyData;
 use crate::export::Format;
-use siloflow_files::frames::{Column, Frame, Header, Table, Values};
+use siloflow_files::frames::{Column, Frame, Header, ParticleKey, Table, Values};
 use siloflow_files::growing::Growing;
 use siloflow_files::own_files;
 use siloflow_files::run_files::{Extent, RunFile, RunFiles};
@@ -30,14 +31,14 @@ pub struct Directory {
     pub path: PathBuf,
     /// Number of frames so far.
     count: u64,
-    /// Lists of times: of grains, contacts and walls.
-    lists: [Option<List>; 3],
+    /// Lists of times: of grains, contacts, walls and bodies.
+    lists: [Option<List>; 4],
     /// The record of the run's files.
     files: RunFiles,
 }
 
 /// Names of the files of a frame, without their numbers.
-const NAMES: [&str; 3] = ["grains", "contacts", "walls"];
+const NAMES: [&str; 4] = ["grains", "contacts", "walls", "bodies"];
 
 impl Directory {
     /// Starts in an empty directory, or continues in one that has frames.
@@ -48,7 +49,7 @@ impl Directory {
         if !own_files::is_directory(path) {
             return Err(io::Error::from(io::ErrorKind::NotADirectory));
         }
-        let mut lists = [None, None, None];
+        let mut lists = [const { None }; 4];
         for (list, name) in lists.iter_mut().zip(NAMES) {
             let place = list_of(path, name);
             let is_there = place.symlink_metadata().is_ok();
@@ -154,9 +155,16 @@ impl List {
 }
 
 /// Returns the files of a frame, in the order of [`NAMES`]; `None` where the frames do not hold such data.
-fn files(header: &Header, frame: &Frame) -> [Option<PolyData>; 3] {
+fn files(header: &Header, frame: &Frame) -> [Option<PolyData>; 4] {
     let walls = (!header.walls.is_empty()).then(|| walls(header, frame));
-    [Some(grains(header, frame)), contacts(header, frame), walls]
+    [Some(grains(header, frame)), contacts(header, frame), walls, bodies(header, frame)]
+}
+
+fn bodies(header: &Header, frame: &Frame) -> Option<PolyData> {
+    let table = frame.table("bodies")?;
+    let columns = table.columns.iter().filter(|column| column.name != "position").cloned().collect();
+    let points = points(table, "position", header);
+    Some(PolyData { time: frame.time, points, point_data: columns, verts: true, ..PolyData::default() })
 }
 
 fn grains(header: &Header, frame: &Frame) -> PolyData {
@@ -176,24 +184,24 @@ fn contacts(header: &Header, frame: &Frame) -> Option<PolyData> {
     let grains = frame.table("grains")?;
     let between = frame.table("contacts")?;
     let walls = frame.table("wall_contacts")?;
-    let ids = grains.whole("id")?;
+    let keys = grains.particles("id", "sphere")?;
     let places = points(grains, "position", header);
-    let place_of: HashMap<i64, [f64; 3]> = ids.into_iter().zip(places).collect();
-    let place_of = |id: &i64| place_of.get(id).copied().unwrap_or([f64::NAN; 3]);
-    let [first, second] = [between.whole("grain")?, between.whole("partner")?];
+    let place_of: HashMap<ParticleKey, [f64; 3]> = keys.into_iter().zip(places).collect();
+    let place_of = |key: &ParticleKey| place_of.get(key).copied().unwrap_or([f64::NAN; 3]);
+    let [first, second] = [between.particles("grain", "sphere")?, between.particles("partner", "partner_sphere")?];
     let pairs = first.iter().zip(&second).flat_map(|(grain, partner)| {
         let from = place_of(grain);
         [from, nearest_image(header, from, place_of(partner))]
     });
-    let of_walls = walls.whole("grain")?;
+    let of_walls = walls.particles("grain", "sphere")?;
     let wall_points = points(walls, "point", header);
     let to_walls = of_walls.iter().zip(&wall_points).flat_map(|(grain, &point)| [place_of(grain), point]);
     let ends: Vec<_> = pairs.chain(to_walls).collect();
     let count = u32::try_from(ends.len() / 2).unwrap_or(u32::MAX);
     let with_wall = [vec![0; between.rows], vec![1; walls.rows]].concat();
     let mut columns = vec![
-        column("grain", whole([first, of_walls].concat())),
-        column("partner", whole([second, walls.whole("wall")?].concat())),
+        column("grain", Values::I32(first.iter().chain(&of_walls).map(|key| key.id).collect())),
+        column("partner", whole([second.iter().map(|key| key.id.into()).collect(), walls.whole("wall")?].concat())),
         column("with_wall", Values::U8(with_wall)),
     ];
     // The columns that both tables have.

@@ -6,7 +6,7 @@ use super::point;
 use super::style::Style;
 use glam::{DVec2, DVec3};
 use siloflow_figures::colour::Rgb;
-use siloflow_files::frames::{Frame, Header, Table};
+use siloflow_files::frames::{Frame, Header, ParticleKey, Table};
 
 /// Bond colours of sticking and of sliding contacts.
 pub(super) const COLOURS: [Rgb; 2] = [[0x1a, 0x1a, 0x1a], [0xf0, 0x6c, 0x00]];
@@ -33,37 +33,47 @@ pub(super) fn of(header: &Header, frame: &Frame, style: &Style, grains: &Grains)
             bonds.kinds[usize::from(is_sliding)] = true;
         }
     };
-    if let Some(table) = frame.table("contacts") {
-        each(table, "partner", |_, grain, partner, force, is_sliding| {
-            let (Some(grain), Some(partner)) = (grains.of_id(grain), grains.of_id(partner)) else { return };
+    if let Some((table, contacts)) = frame.table("contacts").and_then(|table| Some((table, contacts(table)?))) {
+        let partners = table.particles("partner", "partner_sphere").unwrap_or_default();
+        for (contact, partner) in contacts.iter().zip(partners) {
+            let (Some(grain), Some(partner)) = (grains.particle(contact.grain), grains.particle(partner)) else {
+                continue;
+            };
             if grain.is_shown && partner.is_shown {
                 let to = grain.position + nearest_image(header, partner.position - grain.position);
-                add(grain.position, to, force, is_sliding);
+                add(grain.position, to, contact.force, contact.is_sliding);
             }
-        });
+        }
     }
-    if let Some(table) = frame.table("wall_contacts") {
+    if let Some((table, contacts)) = frame.table("wall_contacts").and_then(|table| Some((table, contacts(table)?))) {
         let points = table.floats("point").unwrap_or_default();
-        each(table, "wall", |row, grain, _, force, is_sliding| {
-            let (Some(grain), Some(to)) = (grains.of_id(grain), point(points, header.dimension, row)) else { return };
+        for (row, contact) in contacts.iter().enumerate() {
+            let Some((grain, to)) = grains.particle(contact.grain).zip(point(points, header.dimension, row)) else {
+                continue;
+            };
             if grain.is_shown {
-                add(grain.position, to, force, is_sliding);
+                add(grain.position, to, contact.force, contact.is_sliding);
             }
-        });
+        }
     }
     bonds
 }
 
-/// Calls `visit` for every contact of a table, with its row, grain, partner, normal force (N) and whether it slides.
-fn each(table: &Table, partner: &str, mut visit: impl FnMut(usize, i64, i64, f64, bool)) {
-    let (Some(grains), Some(partners), Some(forces), Some(sliding)) =
-        (table.whole("grain"), table.whole(partner), table.floats("normal_force"), table.whole("sliding"))
-    else {
-        return;
-    };
-    for row in 0..table.rows {
-        visit(row, grains[row], partners[row], forces[row], sliding[row] != 0);
-    }
+/// A contact as seen from its grain.
+struct Contact {
+    grain: ParticleKey,
+    /// Normal force, N.
+    force: f64,
+    is_sliding: bool,
+}
+
+/// Returns the contacts of a table, row by row; `None` if a column is missing.
+fn contacts(table: &Table) -> Option<Vec<Contact>> {
+    let grains = table.particles("grain", "sphere")?;
+    let forces = table.floats("normal_force")?;
+    let sliding = table.whole("sliding")?;
+    let rows = grains.into_iter().zip(forces).zip(sliding);
+    Some(rows.map(|((grain, &force), sliding)| Contact { grain, force, is_sliding: sliding != 0 }).collect())
 }
 
 /// Returns the shortest of all images of a separation, m.

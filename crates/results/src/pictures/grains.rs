@@ -6,13 +6,13 @@ use super::style::Style;
 use super::{hidden, point, shades};
 use glam::{DVec2, DVec3};
 use siloflow_figures::colour::{self, Rgb};
-use siloflow_files::frames::{Frame, Header};
+use siloflow_files::frames::{Frame, Header, ParticleKey};
 
 /// Grains, wall grains and door grains of a frame.
 pub(super) struct Grains {
     all: Vec<Grain>,
     /// Row of each id.
-    rows: FxHashMap<i64, usize>,
+    rows: FxHashMap<ParticleKey, usize>,
 }
 
 /// A grain of a frame. Lengths are in m.
@@ -55,13 +55,13 @@ impl Grains {
             let depth = style.camera.depth.dot(position);
             all.push(Grain { position, radius, species, kind, depth, is_shown: depth >= cut, colour });
         }
-        let ids = table.whole("id").filter(|_| style.network.is_some()).unwrap_or_default();
-        Self { all, rows: ids.into_iter().enumerate().map(|(row, id)| (id, row)).collect() }
+        let keys = table.particles("id", "sphere").filter(|_| style.network.is_some()).unwrap_or_default();
+        Self { all, rows: keys.into_iter().enumerate().map(|(row, key)| (key, row)).collect() }
     }
 
-    /// Returns the grain of this id.
-    pub fn of_id(&self, id: i64) -> Option<&Grain> {
-        self.all.get(*self.rows.get(&id)?)
+    /// Returns a particle.
+    pub fn particle(&self, key: ParticleKey) -> Option<&Grain> {
+        self.all.get(*self.rows.get(&key)?)
     }
 
     /// Returns the species of the grains.

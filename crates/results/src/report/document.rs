@@ -43,9 +43,10 @@ impl Contents<'_> {
     pub fn html(&self) -> String {
         let labels: Vec<String> = self.runs.iter().map(|run| run.label().to_owned()).collect();
         let sections: Vec<Section> = [
-            overview::section_of(self.runs, &labels),
-            differences::section_of(self.runs),
+            overview::section_of(self.runs),
             self.players(),
+            overview::figures_of(self.runs, &labels),
+            differences::section_of(self.runs),
             self.curves(),
             accounting::section_of(self.runs, &labels),
             discharge::section_of(self.runs, &labels),

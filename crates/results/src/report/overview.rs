@@ -82,9 +82,9 @@ fn counts(run: &Run) -> String {
     format!("Of {entered} that entered, {inside} are inside, {out} left through a door{lost}.")
 }
 
-/// The section of key figures.
+/// The section that says what became of each run.
 #[must_use]
-pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
+pub fn section_of(runs: &[Run]) -> Option<Section> {
     let mut content = String::new();
     for run in runs {
         let (verdict, sentence) = fate(run);
@@ -96,12 +96,31 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
         };
         let _ = writeln!(content, "<p class=\"fate {class}\">{name}<strong>{word}.</strong> {sentence}</p>");
     }
-    let sheet = key_figures(runs);
-    content += &match runs {
-        [_] => tiles(&sheet_rows(runs)),
-        _ => sheet.html("Key figures of the runs", labels),
-    };
     Section::of("overview", "What happened", content)
+}
+
+/// The section of key figures.
+#[must_use]
+pub fn figures_of(runs: &[Run], labels: &[String]) -> Option<Section> {
+    let content = match runs {
+        [_] => tiles(&sheet_rows(runs)),
+        _ => key_figures(runs).html("Key figures of the runs", labels),
+    };
+    Section::of("figures", "Key figures", content)
+}
+
+/// Largest overlap over the radius that the contact laws are meant for. They take overlaps to be small; a tenth is beyond that.
+const DEEP: f64 = 0.1;
+
+/// Returns what is wrong with a key figure, in words.
+fn trouble(name: &str, value: f64) -> Option<&'static str> {
+    match name {
+        "Grains lost" if value > 0.0 => Some("they left, but not through a door"),
+        "Largest overlap over the radius" if value > DEEP => {
+            Some("deep: stiffer contacts or slower impacts would be nearer to hard grains")
+        }
+        _ => None,
+    }
 }
 
 /// A key figure.
@@ -169,7 +188,9 @@ fn tiles(rows: &[(&'static str, Vec<Cell>)]) -> String {
     let mut html = "<dl class=\"tiles\">\n".to_owned();
     for (name, cells) in rows {
         if let Some(Cell::Number(value, unit)) = cells.first() {
-            let _ = writeln!(html, "<div><dt>{name}</dt><dd>{}</dd></div>", quantity(*value, unit));
+            let (class, note) = trouble(name, *value)
+                .map_or_else(Default::default, |why| (" class=\"trouble\"", format!("<p>{why}</p>")));
+            let _ = writeln!(html, "<div{class}><dt>{name}</dt><dd>{}{note}</dd></div>", quantity(*value, unit));
         }
     }
     html + "</dl>\n"

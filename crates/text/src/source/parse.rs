@@ -202,7 +202,8 @@ fn describe(error: &Error, reference: &str, section: Section) -> (&'static str, 
         | Error::ExpectedDifferentLength { .. }
         | Error::IntegerOutOfBounds
         | Error::InvalidIntegerDigit { .. } => {
-            ("scene::wrong_type", here.to_owned(), lower(&error.to_string()), "give a value of that type".to_owned())
+            let (message, help) = of_type(error);
+            ("scene::wrong_type", here.to_owned(), message, help.to_owned())
         }
         other => (
             "scene::syntax",
@@ -211,6 +212,24 @@ fn describe(error: &Error, reference: &str, section: Section) -> (&'static str, 
             "is a bracket, a comma or a quote missing before this place?".to_owned(),
         ),
     }
+}
+
+/// Message and help for a value of another type, in words of a scene.
+fn of_type(error: &Error) -> (String, &'static str) {
+    let (wanted, help) = match error {
+        Error::ExpectedFloat => ("a number", "write a number, such as `0.5` or `1.0e-3`, without quotes; units are SI"),
+        Error::ExpectedInteger => {
+            ("a whole number", "write a whole number, such as `1000`, without a point and quotes")
+        }
+        Error::ExpectedBoolean => ("`true` or `false`", "write one of the two, without quotes"),
+        Error::ExpectedString => ("a text in quotes", "write it in double quotes: `\"...\"`"),
+        Error::ExpectedArray => {
+            ("a list or a vector", "write a list as `[a, b]`, and a vector as `(x, y)` or `(x, y, z)`")
+        }
+        Error::ExpectedMap => ("named entries", "write them as `{\"name\": value, ...}`"),
+        _ => return (lower(&error.to_string()), "give a value of that type"),
+    };
+    (format!("expected {wanted}"), help)
 }
 
 fn expects_number(error: &Error) -> bool {

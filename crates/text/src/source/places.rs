@@ -10,6 +10,8 @@ use std::ops::Range;
 use rustc_hash::FxHashMap;
 
 use crate::fault::Fault;
+use crate::safe::cut;
+use crate::suggestion::closest;
 
 /// One value of the text. Its key path is [`Places::path`].
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -177,8 +179,20 @@ pub fn set(text: &str, path: &str, value: &str) -> Result<String, Fault> {
     let (parent, key) = path.rsplit_once('.').unwrap_or(("", path));
     let is_name = |key: &str| !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_');
     let Some(room) = places.get(parent).and_then(|place| place.room).filter(|_| is_name(key)) else {
-        return Err(Fault::new("call::set", format!("--set {path}={value}: the scene has no `{path}`"))
-            .help("name a key that the scene has, as `spawner.count`, or a new key of one of its sections"));
+        let whole = path.split(['.', '[']).next().unwrap_or_default();
+        let keys: Vec<_> =
+            places.get("").map(|scene| places.entries(scene).map(|(key, _)| key).collect()).unwrap_or_default();
+        let help = match closest(whole, &keys).filter(|close| *close != whole) {
+            Some(close) => format!("did you mean `{close}`?"),
+            None if !keys.contains(&whole) && is_name(whole) => {
+                format!(
+                    "the scene has no `{whole}`: set it as a whole, `--set \"{whole}=...\"`; its keys are {}",
+                    cut(&keys.join(", "), 300)
+                )
+            }
+            None => format!("name a key that `{whole}` has in the scene, or a new key of one of its sections"),
+        };
+        return Err(Fault::new("call::set", format!("--set {path}={value}: the scene has no `{path}`")).help(help));
     };
     let comma = if room.is_first { "" } else { ", " };
     let key = if room.is_map { format!("\"{key}\"") } else { key.to_owned() };

@@ -48,5 +48,5 @@ fn falling(seed: u64, k: f64, b: f64) -> System {
         }
     }
     let floors = walls(spacing * f64::from(SIDE), None);
-    System { gravity: DVec2::new(0.0, -9.81), law: Law::Full { k, b }, discs, floors }
+    System { clumps: vec![], gravity: DVec2::new(0.0, -9.81), law: Law::Full { k, b }, discs, floors }
 }

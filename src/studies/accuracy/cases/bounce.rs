@@ -60,7 +60,13 @@ fn case(name: &'static str, title: &'static str, e: f64, attracts: bool) -> Case
     Case {
         name,
         title,
-        systems: vec![System { gravity: DVec2::ZERO, law: linear(K, e, attracts), discs, floors: vec![] }],
+        systems: vec![System {
+            clumps: vec![],
+            gravity: DVec2::ZERO,
+            law: linear(K, e, attracts),
+            discs,
+            floors: vec![],
+        }],
         contact_duration,
         end: 4.0 * contact_duration,
         truth: Truth::Closed(state_after_bounce),

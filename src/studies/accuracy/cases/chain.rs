@@ -41,7 +41,7 @@ fn chain(name: &'static str, title: &'static str, masses: [f64; 3], reduced_mass
     Case {
         name,
         title,
-        systems: vec![System { gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] }],
+        systems: vec![System { clumps: vec![], gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] }],
         contact_duration,
         end: end * contact_duration,
         truth: Truth::Integrated,

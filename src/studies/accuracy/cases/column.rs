@@ -20,7 +20,13 @@ pub(super) fn case() -> Case {
     Case {
         name: "column",
         title: "settling column of ten, e = 0.5",
-        systems: vec![System { gravity: DVec2::new(0.0, -9.81), law: linear(k, e, false), discs, floors }],
+        systems: vec![System {
+            clumps: vec![],
+            gravity: DVec2::new(0.0, -9.81),
+            law: linear(k, e, false),
+            discs,
+            floors,
+        }],
         contact_duration,
         end: 20.0 * contact_duration,
         truth: Truth::Integrated,

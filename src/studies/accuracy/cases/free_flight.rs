@@ -18,6 +18,7 @@ pub(super) fn case() -> Case {
         name: "free-flight",
         title: "free flight",
         systems: vec![System {
+            clumps: vec![],
             gravity: G,
             law: linear(k, 1.0, true),
             discs: vec![disc(0.04, m, DVec2::ZERO, v)],

@@ -40,7 +40,13 @@ fn system(seed: u64) -> System {
             discs.push(disc(r, m, x, v));
         }
     }
-    System { gravity: DVec2::ZERO, law: linear(1.0e4, 1.0, true), discs, floors: walls(width, Some(width)) }
+    System {
+        clumps: vec![],
+        gravity: DVec2::ZERO,
+        law: linear(1.0e4, 1.0, true),
+        discs,
+        floors: walls(width, Some(width)),
+    }
 }
 
 /// Returns two side walls, a floor, and a lid if `height` is given (m).

@@ -3,6 +3,7 @@
 mod bed;
 mod bounce;
 mod chain;
+mod clump;
 mod column;
 mod draw;
 mod free_flight;
@@ -22,6 +23,7 @@ pub fn all() -> Vec<Case> {
     cases.extend(bounce::cases());
     cases.extend(chain::cases());
     cases.extend(oblique::cases());
+    cases.extend(clump::cases());
     cases.extend([stacked::case(), roll::case(), vibrating_floor::case(), gas::case(), column::case(), bed()]);
     cases
 }

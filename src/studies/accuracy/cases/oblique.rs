@@ -65,7 +65,7 @@ fn smooth() -> Case {
     Case {
         name: "oblique-smooth",
         title: "oblique, smooth, e = 0.5",
-        systems: vec![System { gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] }],
+        systems: vec![System { clumps: vec![], gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] }],
         contact_duration,
         end: 4.0 * contact_duration,
         truth: Truth::Integrated,
@@ -86,7 +86,7 @@ fn rough(name: &'static str, title: &'static str, law: Law, v: DVec2) -> Case {
     Case {
         name,
         title,
-        systems: vec![System { gravity: DVec2::ZERO, law, discs: vec![disc(R, M, start, v)], floors }],
+        systems: vec![System { clumps: vec![], gravity: DVec2::ZERO, law, discs: vec![disc(R, M, start, v)], floors }],
         contact_duration,
         end: 4.0 * contact_duration,
         truth: Truth::Integrated,

@@ -24,7 +24,7 @@ pub(super) fn case() -> Case {
     Case {
         name: "slip-to-roll",
         title: "from slip to roll",
-        systems: vec![System { gravity: DVec2::new(0.0, -g), law, discs, floors }],
+        systems: vec![System { clumps: vec![], gravity: DVec2::new(0.0, -g), law, discs, floors }],
         contact_duration,
         end: 4.5 * contact_duration,
         truth: Truth::Integrated,

@@ -20,7 +20,7 @@ pub(super) fn case() -> Case {
     Case {
         name: "stacked-pair",
         title: "stacked pair between walls, e = 0.8",
-        systems: vec![System { gravity: DVec2::new(0.0, -g), law: linear(k, e, true), discs, floors }],
+        systems: vec![System { clumps: vec![], gravity: DVec2::new(0.0, -g), law: linear(k, e, true), discs, floors }],
         contact_duration,
         end: 6.0 * contact_duration,
         truth: Truth::Integrated,

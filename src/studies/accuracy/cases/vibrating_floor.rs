@@ -25,6 +25,7 @@ pub(super) fn case() -> Case {
         name: "vibrating-floor",
         title: "impact on a vibrating floor, e = 0.5",
         systems: vec![System {
+            clumps: vec![],
             gravity: DVec2::ZERO,
             law,
             discs: vec![disc(radius, mass, start, DVec2::new(0.6, -1.0) * speed)],

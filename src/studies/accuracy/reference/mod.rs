@@ -19,6 +19,8 @@
 //! * [`Law::Adhesive`]: the same with a constant pull 2 pi w R_eff while the sides overlap, which does not count in the cap of
 //!   friction and is not cut.
 //!
+//! A [`Clump`] is a rigid body of discs. The discs move as the body says: with the centre X, r = x - X and the spin w, x'' = X'' + w' z x r - w^2 r.
+//!
 //! Each contact is in a mode (`contact`) in which its force is smooth. [`path`] integrates with the classical
 //! fourth-order Runge-Kutta scheme and ends a step where a mode ends. [`closed`] has the closed forms. `moduli` has the
 //! coefficients of a contact.
@@ -32,6 +34,7 @@ mod moduli;
 pub mod path;
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use glam::DVec2;
 
@@ -166,6 +169,18 @@ impl Floor {
     }
 }
 
+/// A rigid body of discs. The disc with the number `centre` is its centre of mass, without contacts; those of `members` touch. All have the mass of the
+/// body.
+#[derive(Clone, Debug)]
+pub struct Clump {
+    /// The centre of mass.
+    pub centre: usize,
+    /// The discs.
+    pub members: Range<usize>,
+    /// Moment of inertia about the centre, kg m^2.
+    pub inertia: f64,
+}
+
 /// Discs, floors, gravity and a contact law. Discs start without spin.
 #[derive(Clone, Debug)]
 pub struct System {
@@ -177,6 +192,8 @@ pub struct System {
     pub discs: Vec<Disc>,
     /// The half-planes.
     pub floors: Vec<Floor>,
+    /// The discs that form rigid bodies.
+    pub clumps: Vec<Clump>,
 }
 
 /// Moment of inertia of a disc over m R^2.
@@ -194,6 +211,19 @@ pub struct State {
 }
 
 impl System {
+    /// Whether two discs can touch: neither is a centre, and they are not of one clump.
+    #[must_use]
+    pub fn can_touch(&self, i: usize, j: usize) -> bool {
+        let are_one = |clump: &Clump| clump.members.contains(&i) && clump.members.contains(&j);
+        self.touches(i) && self.touches(j) && !self.clumps.iter().any(are_one)
+    }
+
+    /// Whether a disc touches others: it is no centre of a clump.
+    #[must_use]
+    pub fn touches(&self, i: usize) -> bool {
+        !self.clumps.iter().any(|clump| clump.centre == i)
+    }
+
     /// Returns the state at time 0.
     #[must_use]
     pub fn start(&self) -> State {

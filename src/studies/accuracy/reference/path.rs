@@ -12,7 +12,7 @@
 use glam::DVec2;
 
 use super::contact::{EVENTS, Link, Meeting, Normal, Other, SLIDERS, Side};
-use super::{INERTIA, State, System};
+use super::{Clump, INERTIA, State, System};
 
 /// A state with the springs (m) of friction and rolling of all contacts, or the rate of change of both.
 #[derive(Clone, Debug)]
@@ -45,7 +45,8 @@ impl<'a> Path<'a> {
     #[must_use]
     pub fn new(system: &'a System, step: f64) -> Self {
         let flow = Flow { state: system.start(), springs: Vec::new() };
-        let smallest = system.discs.iter().map(|disc| disc.radius).fold(f64::INFINITY, f64::min);
+        let radii = system.discs.iter().map(|disc| disc.radius).filter(|&radius| radius > 0.0);
+        let smallest = radii.fold(f64::INFINITY, f64::min);
         let mut path = Self {
             system,
             step,
@@ -171,6 +172,7 @@ impl<'a> Path<'a> {
         let discs = &self.system.discs;
         let mut a = vec![self.system.gravity; discs.len()];
         let mut turns = vec![0.0; discs.len()];
+        let mut loads = vec![(DVec2::ZERO, 0.0); discs.len()];
         let mut springs = vec![[0.0; SLIDERS]; self.links.len()];
         for (number, link) in self.links.iter().enumerate().filter(|(_, link)| link.normal != Normal::Open) {
             let meeting = self.meeting(link, &flow.state, time);
@@ -179,14 +181,41 @@ impl<'a> Path<'a> {
             let mut push = |i: usize, force: DVec2, rolling: f64| {
                 let radius = discs[i].radius;
                 a[i] += force / discs[i].mass;
-                turns[i] += (rolling - along * radius) / (INERTIA * discs[i].mass * radius * radius);
+                let torque = rolling - along * radius;
+                turns[i] += torque / (INERTIA * discs[i].mass * radius * radius);
+                loads[i] = (loads[i].0 + force, loads[i].1 + torque);
             };
             push(link.i, force, rolling);
             if let Other::Disc(j) = link.other {
                 push(j, -force, -rolling);
             }
         }
+        for clump in &self.system.clumps {
+            self.move_rigidly(clump, &flow.state, &loads, (&mut a, &mut turns));
+        }
         Flow { state: State { x: flow.state.v.clone(), v: a, w: turns }, springs }
+    }
+
+    /// Sets the accelerations of the discs of a clump from the loads (N, N m) on them.
+    fn move_rigidly(
+        &self,
+        clump: &Clump,
+        state: &State,
+        loads: &[(DVec2, f64)],
+        (a, turns): (&mut [DVec2], &mut [f64]),
+    ) {
+        let arm = |i: usize| state.x[i] - state.x[clump.centre];
+        let members = || clump.members.clone();
+        let force: DVec2 = members().map(|i| loads[i].0).sum();
+        let torque: f64 = members().map(|i| loads[i].1 + arm(i).perp_dot(loads[i].0)).sum();
+        let centre = self.system.gravity + force / self.system.discs[clump.centre].mass;
+        let turn = torque / clump.inertia;
+        (a[clump.centre], turns[clump.centre]) = (centre, turn);
+        let spin = state.w[clump.centre];
+        for i in members() {
+            a[i] = centre + arm(i).perp() * turn - arm(i) * (spin * spin);
+            turns[i] = turn;
+        }
     }
 
     /// Returns the result of one Runge-Kutta step of length `h` (s) with frozen modes; `rate` is the rate at its
@@ -207,8 +236,10 @@ impl<'a> Path<'a> {
         let mut found = Vec::new();
         for i in 0..discs.len() {
             let near = |j: &usize| x[i].distance(x[*j]) < discs[i].radius + discs[*j].radius + self.margin;
-            found.extend((i + 1..discs.len()).filter(near).map(|j| (i, Other::Disc(j))));
-            found.extend((0..self.system.floors.len()).map(|f| (i, Other::Floor(f))));
+            let pairs = (i + 1..discs.len()).filter(|&j| self.system.can_touch(i, j)).filter(near);
+            found.extend(pairs.map(|j| (i, Other::Disc(j))));
+            let floors = if self.system.touches(i) { self.system.floors.len() } else { 0 };
+            found.extend((0..floors).map(|f| (i, Other::Floor(f))));
         }
         let old: Vec<_> =
             std::mem::take(&mut self.links).into_iter().zip(std::mem::take(&mut self.flow.springs)).collect();
@@ -298,7 +329,7 @@ mod tests {
             Disc { radius: 0.04, mass: M[0], x: DVec2::ZERO, v: DVec2::ZERO },
             Disc { radius: 0.03, mass: M[1], x: DVec2::new(0.0, 0.0705), v: DVec2::NEG_Y },
         ];
-        System { gravity: DVec2::ZERO, law, discs, floors: vec![] }
+        System { clumps: vec![], gravity: DVec2::ZERO, law, discs, floors: vec![] }
     }
 
     fn rough(v: DVec2) -> System {
@@ -309,7 +340,7 @@ mod tests {
             friction: Some(Friction { k: 0.3 * K, share: 0.5, mu: 0.3, rolling: None }),
         };
         let discs = vec![Disc { radius: 0.04, mass: M[0], x: DVec2::new(0.0, 0.0405), v }];
-        System { gravity: DVec2::ZERO, law, discs, floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)] }
+        System { clumps: vec![], gravity: DVec2::ZERO, law, discs, floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)] }
     }
 
     fn last(system: &System, step: f64, end: f64) -> State {

@@ -9,6 +9,7 @@ mod dosta_drum;
 mod dosta_impact;
 mod dosta_silo;
 mod drainage;
+mod ellipsoid_packing;
 mod janssen;
 mod orifice_profiles;
 
@@ -17,7 +18,7 @@ use siloflow_text::fault::Fault;
 use siloflow_text::suggestion::did_you_mean;
 
 /// All cases, in the order of the page.
-pub const CASES: [&Case; 11] = [
+pub const CASES: [&Case; 12] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,
@@ -29,6 +30,7 @@ pub const CASES: [&Case; 11] = [
     &beverloo::CASE,
     &janssen::CASE,
     &chung_ooi::CASE,
+    &ellipsoid_packing::CASE,
 ];
 
 /// Returns the case of this name.

@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cut::Cut;
 use super::keys::{CommonKeys, wall_shapes};
 use crate::space::Solid;
-use crate::values::{Finite, FiniteVector, NonNegative, Positive};
-use crate::walls::silo_file::LengthUnit;
+use crate::values::{Finite, FiniteVector, LengthUnit, NonNegative, Positive};
 
 wall_shapes! {
     /// A solid half-plane behind a line; in solid space, a half-space behind a plane.

@@ -50,6 +50,8 @@ struct Quantity<'a> {
     is_whole: bool,
     /// Whether every particle keeps its number.
     is_kept: bool,
+    /// Whether levels are in proportion to the root of the distance from the lowest number.
+    is_root: bool,
     #[serde(flatten)]
     range: Range,
 }
@@ -76,6 +78,7 @@ impl<'a> Description<'a> {
             unit: &facts.unit,
             is_whole: facts.is_whole,
             is_kept: facts.fixed.is_some(),
+            is_root: scale.is_root,
             range: Range { low: scale.low, high: scale.high, smallest: facts.spread.low, largest: facts.spread.high },
         });
         let forces = &plan.facts.forces;

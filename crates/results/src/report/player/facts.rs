@@ -4,9 +4,9 @@ use std::io;
 
 use rustc_hash::FxHashMap;
 
-use super::grains::{Grains, damaged, order};
+use super::grains::{Grains, damaged};
 use super::scale::Spread;
-use siloflow_files::frames::{Frame, Header};
+use siloflow_files::frames::{Frame, Header, ParticleKey};
 
 /// Facts about all frames of a run.
 #[derive(Default)]
@@ -17,8 +17,8 @@ pub(super) struct Facts {
     pub rows: u64,
     /// Contacts in all frames.
     pub contacts: u64,
-    /// Every particle that is in a frame, by its id.
-    pub place: FxHashMap<i32, usize>,
+    /// Every particle that is in a frame.
+    pub place: FxHashMap<ParticleKey, usize>,
     /// The particles in the order in which they appear.
     pub particles: Vec<Particle>,
     /// Whether every particle keeps its radius.
@@ -43,7 +43,7 @@ impl Default for Bounds {
 /// The quantities of a particle that are constant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Particle {
-    pub id: i32,
+    pub key: ParticleKey,
     pub kind: u8,
     pub species: u8,
     /// Radius in the first frame that has the particle, m.
@@ -86,9 +86,9 @@ impl Facts {
             table.floats("normal_force").unwrap_or_default().iter().for_each(|force| self.forces.add(force.abs()));
         }
         let Some(grains) = Grains::of(frame, header.dimension)? else { return Ok(()) };
-        self.rows += grains.ids.len() as u64;
-        let mut places = Vec::with_capacity(grains.ids.len());
-        for (row, &id) in grains.ids.iter().enumerate() {
+        self.rows += grains.keys.len() as u64;
+        let mut places = Vec::with_capacity(grains.keys.len());
+        for (row, &key) in grains.keys.iter().enumerate() {
             for (axis, &coordinate) in grains.position(row).iter().enumerate().filter(|(_, place)| place.is_finite()) {
                 let Bounds([low, high]) = &mut self.bounds;
                 low[axis] = low[axis].min(coordinate);
@@ -96,12 +96,12 @@ impl Facts {
             }
             let radius = grains.radii[row];
             let next = self.particles.len();
-            let place = *self.place.entry(id).or_insert(next);
+            let place = *self.place.entry(key).or_insert(next);
             if place == next {
                 let byte = |numbers: &[i64]| u8::try_from(numbers[row]).unwrap_or(u8::MAX);
                 let kind = byte(&grains.kinds);
                 let species = byte(&grains.species);
-                self.particles.push(Particle { id, kind, species, radius, first: frame.time });
+                self.particles.push(Particle { key, kind, species, radius, first: frame.time });
             }
             self.changes_radius |= self.particles[place].radius.to_bits() != radius.to_bits();
             places.push(place);
@@ -132,12 +132,12 @@ impl Facts {
     /// Puts particles into the order of their ids.
     fn sort(&mut self) {
         let mut from: Vec<usize> = (0..self.particles.len()).collect();
-        from.sort_unstable_by_key(|&place| order(self.particles[place].id));
+        from.sort_unstable_by_key(|&place| self.particles[place].key.place());
         self.particles = from.iter().map(|&place| self.particles[place]).collect();
         for fixed in self.quantities.iter_mut().filter_map(|quantity| quantity.fixed.as_mut()) {
             *fixed = from.iter().map(|&place| fixed.get(place).copied().unwrap_or(f64::NAN)).collect();
         }
-        self.place = self.particles.iter().enumerate().map(|(place, particle)| (particle.id, place)).collect();
+        self.place = self.particles.iter().enumerate().map(|(place, particle)| (particle.key, place)).collect();
     }
 }
 

@@ -17,7 +17,7 @@ use super::links;
 use super::plan::Plan;
 use super::scale::{NO_LEVEL, TOP};
 use super::wall_shapes::WallShapes;
-use siloflow_files::frames::{Frame, Header};
+use siloflow_files::frames::{Frame, Header, ParticleKey};
 
 /// Packs frames one after the other.
 pub(super) struct FramePacker<'a> {
@@ -51,9 +51,9 @@ impl<'a> FramePacker<'a> {
         let grains = Grains::of(frame, self.header.dimension)?;
         let mut bytes = Vec::new();
         let mut shown = Vec::new();
-        let all = grains.as_ref().map_or(&[][..], |grains| &grains.ids);
-        for (row, id) in all.iter().enumerate() {
-            let particle = self.plan.facts.place.get(id).copied().ok_or_else(changed)?;
+        let all = grains.as_ref().map_or(&[][..], |grains| &grains.keys);
+        for (row, key) in all.iter().enumerate() {
+            let particle = self.plan.facts.place.get(key).copied().ok_or_else(changed)?;
             let place = grains.as_ref().and_then(|grains| self.plan.grid.place(grains.position(row)));
             shown.extend(place.map(|place| (row, particle, place)));
         }
@@ -64,10 +64,7 @@ impl<'a> FramePacker<'a> {
             self.put_levels(&mut bytes, grains, &shown);
         }
         let places: Vec<[u16; 3]> = shown.iter().map(|(_, _, place)| *place).collect();
-        let row_of = |id: i64| {
-            let particle = *self.plan.facts.place.get(&i32::try_from(id).ok()?)?;
-            self.rows[particle]
-        };
+        let row_of = |key: ParticleKey| self.rows[*self.plan.facts.place.get(&key)?];
         bytes.extend(links::pack(frame, &row_of, &places, &self.plan.grid, self.plan.forces));
         self.walls.pack(&mut bytes, &self.header.walls, &frame.changed_walls, &self.plan.grid, false);
         Ok(bytes)

@@ -2,21 +2,16 @@
 
 use std::io;
 
-use siloflow_files::frames::{Frame, Table, Values};
+use siloflow_files::frames::{Frame, ParticleKey, Table, Values};
 
 /// Returns the error of a file that does not keep its own rules.
 pub(super) fn damaged(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.to_owned())
 }
 
-/// Returns the place of an id among others: grains by their numbers, then wall grains, which have negative ids, by theirs.
-pub(super) fn order(id: i32) -> (bool, u32) {
-    (id < 0, id.unsigned_abs())
-}
-
 /// The grains and wall grains of a frame.
 pub(super) struct Grains<'a> {
-    pub ids: Vec<i32>,
+    pub keys: Vec<ParticleKey>,
     pub kinds: Vec<i64>,
     pub species: Vec<i64>,
     pub radii: &'a [f64],
@@ -33,23 +28,22 @@ impl<'a> Grains<'a> {
     pub fn of(frame: &'a Frame, dimension: u8) -> io::Result<Option<Self>> {
         let Some(table) = frame.table("grains") else { return Ok(None) };
         let dimension = usize::from(dimension);
-        let ids = table.whole("id").filter(|ids| ids.len() == table.rows);
-        let ids: Option<Vec<i32>> = ids.and_then(|ids| ids.into_iter().map(|id| i32::try_from(id).ok()).collect());
+        let keys = table.particles("id", "sphere");
         let whole = |name: &str| table.whole(name).filter(|numbers| numbers.len() == table.rows);
         let floats = |name: &str, components: usize| {
             table.floats(name).filter(|numbers| Some(numbers.len()) == table.rows.checked_mul(components))
         };
-        let (Some(ids), Some(radii), Some(positions)) = (ids, floats("radius", 1), floats("position", dimension))
+        let (Some(keys), Some(radii), Some(positions)) = (keys, floats("radius", 1), floats("position", dimension))
         else {
             return Err(damaged("grains of a frame have no id, radius or position"));
         };
-        if !ids.is_sorted_by(|&a, &b| order(a) < order(b)) {
+        if !keys.is_sorted_by(|a, b| a.place() < b.place()) {
             return Err(damaged("the ids of a frame are not in ascending order"));
         }
-        let none = || vec![0; ids.len()];
+        let none = || vec![0; keys.len()];
         let kinds = whole("kind").unwrap_or_else(none);
         let species = whole("species").unwrap_or_else(none);
-        Ok(Some(Self { ids, kinds, species, radii, positions, dimension, table }))
+        Ok(Some(Self { keys, kinds, species, radii, positions, dimension, table }))
     }
 
     /// Returns the position of a row, m.
@@ -66,7 +60,7 @@ impl<'a> Grains<'a> {
             }
             _ => None,
         });
-        let is_quantity = |name: &str| !matches!(name, "id" | "kind" | "species" | "speed");
+        let is_quantity = |name: &str| !matches!(name, "id" | "kind" | "species" | "speed" | "sphere");
         let columns = self.table.columns.iter().filter(|column| column.components == 1 && is_quantity(&column.name));
         let columns = columns.map(|column| Quantity {
             name: &column.name,

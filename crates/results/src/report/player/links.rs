@@ -12,19 +12,19 @@
 use super::bytes::{length, put, put_signed};
 use super::grid::Grid;
 use super::scale::Scale;
-use siloflow_files::frames::{Frame, Table};
+use siloflow_files::frames::{Frame, ParticleKey, Table};
 
 /// Highest level of a force.
 pub(super) const TOP_FORCE: f64 = 127.0;
 
-/// Finds the row of a particle among the packed rows of a frame, by its id.
-pub(super) type RowOf<'a> = &'a dyn Fn(i64) -> Option<u32>;
+/// Finds the row of a particle among the packed rows of a frame.
+pub(super) type RowOf<'a> = &'a dyn Fn(ParticleKey) -> Option<u32>;
 
 /// Returns the contacts between particles, and those with walls.
 pub(super) fn pack(frame: &Frame, row_of: RowOf, places: &[[u16; 3]], grid: &Grid, forces: Scale) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut between = contacts(frame.table("contacts"), row_of, forces, |table| {
-        let partners = table.whole("partner")?;
+        let partners = table.particles("partner", "partner_sphere")?;
         Some(Box::new(move |row| row_of(*partners.get(row)?)))
     });
     for (first, second, _) in &mut between {
@@ -71,7 +71,7 @@ fn contacts<'a, T>(
     let columns = table.and_then(|table| {
         Some((
             table.rows,
-            table.whole("grain")?,
+            table.particles("grain", "sphere")?,
             table.floats("normal_force")?,
             table.whole("sliding"),
             partner(table)?,

@@ -117,7 +117,7 @@ fn first_part(header: &Header, plan: &Plan, columns: &FrameColumns) -> io::Resul
     column(columns.counts.iter().flatten().flat_map(|&count| (count as f64).to_le_bytes()).collect())?;
     column(columns.lengths.iter().flat_map(|length| length.to_le_bytes()).collect())?;
     let particles = &plan.facts.particles;
-    column(particles.iter().flat_map(|particle| particle.id.to_le_bytes()).collect())?;
+    column(particles.iter().flat_map(|particle| particle.key.id.to_le_bytes()).collect())?;
     column(particles.iter().flat_map(|particle| (particle.radius as f32).to_le_bytes()).collect())?;
     column(particles.iter().flat_map(|particle| (particle.first as f32).to_le_bytes()).collect())?;
     column(particles.iter().map(|particle| particle.kind).collect())?;

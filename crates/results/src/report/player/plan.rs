@@ -22,7 +22,8 @@ impl Plan {
         let grid = Grid::new(header.domain, facts.bounds.0);
         let forces = Scale { low: 0.0, ..facts.forces.scale(false) };
         let scale = |of: &QuantityFacts| {
-            suggested(header, &of.name).or_else(|| (!of.spread.is_constant()).then(|| of.spread.scale(of.is_whole)))
+            let own = || Scale { is_root: of.name == "speed", ..of.spread.scale(of.is_whole) };
+            suggested(header, &of.name).or_else(|| (!of.spread.is_constant()).then(own))
         };
         let scales: Vec<_> = facts.quantities.iter().map(scale).collect();
         let all = facts.frames;
@@ -54,5 +55,5 @@ impl Plan {
 fn suggested(header: &Header, name: &str) -> Option<Scale> {
     let scale = header.columns.iter().find(|column| column.name == name)?.scale?;
     let is_sound = scale.from < scale.to && (scale.to - scale.from).is_finite();
-    is_sound.then_some(Scale { low: scale.from, high: scale.to })
+    is_sound.then_some(Scale { low: scale.from, high: scale.to, is_root: false })
 }

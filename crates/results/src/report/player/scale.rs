@@ -106,7 +106,7 @@ impl Spread {
                 low = 0.0;
             }
         }
-        Scale { low, high }
+        Scale { low, high, is_root: false }
     }
 }
 
@@ -115,6 +115,9 @@ impl Spread {
 pub(super) struct Scale {
     pub low: f64,
     pub high: f64,
+    /// Whether levels are in proportion to the root of the distance from the lowest number. Speeds need it: few grains fall freely, and the
+    /// differences among the slow ones in the bed tell how a silo flows.
+    pub is_root: bool,
 }
 
 impl Scale {
@@ -125,6 +128,7 @@ impl Scale {
             return NO_LEVEL;
         }
         let share = (number - self.low) / (self.high - self.low);
+        let share = if self.is_root { share.max(0.0).sqrt() } else { share };
         // All numbers are equal: 0 / 0.
         if share.is_nan() { 0 } else { (share * top).round().clamp(0.0, top) as u8 }
     }
@@ -154,6 +158,15 @@ mod tests {
         // The numbers of a small share of the rows are not cut if all others are zero.
         let rare = of((0..100_000).map(|row| if row < 50 { 3.0 } else { 0.0 })).scale(false);
         assert_eq!((rare.low, rare.high), (0.0, 3.0));
+    }
+
+    #[test]
+    fn slow_grains_have_more_levels_on_a_scale_of_roots() {
+        let even = of((0..=1000).map(f64::from)).scale(false);
+        let root = Scale { is_root: true, ..even };
+        assert_eq!((root.level(0.0, TOP), root.level(1000.0, TOP), root.level(-1.0, TOP)), (0, 254, 0));
+        assert_eq!((root.level(10.0, TOP), even.level(10.0, TOP)), (25, 3));
+        assert_eq!(root.level(f64::NAN, TOP), NO_LEVEL);
     }
 
     #[test]

@@ -189,7 +189,8 @@ fn grains_are_within_the_resolution() {
             assert_near(found.positions[row], &positions[3 * from..], step);
             let v = &grains.floats("velocity").unwrap()[3 * from..3 * from + 3];
             let speed = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-            assert!((found.numbers[0].1[row] - speed).abs() < 0.51 * 1.8 / 254.0);
+            // Levels are roots of speeds: the slope of a square is at most 2.
+            assert!((found.numbers[0].1[row] - speed).abs() < 2.0 * 0.51 * 1.8 / 254.0);
             assert_eq!(found.numbers[2].1[row].round() as i64, grains.whole("coordination").unwrap()[from]);
             let temperature = grains.floats("temperature").unwrap()[from];
             let read = found.numbers[3].1[row];

@@ -122,7 +122,10 @@ pub fn unpack(text: &str) -> Unpacked {
     let kept: Vec<&[u8]> = quantities.iter().filter(is_kept).map(|_| facts.take(count)).collect();
     let numbers = |quantity: &Value, levels: Vec<u8>| {
         let [low, high] = ["low", "high"].map(|name| quantity[name].as_f64().unwrap());
-        let number = |&level: &u8| if level == 255 { f64::NAN } else { low + f64::from(level) / 254.0 * (high - low) };
+        let power = if quantity["is_root"].as_bool().unwrap() { 2 } else { 1 };
+        let number = |&level: &u8| {
+            if level == 255 { f64::NAN } else { low + (f64::from(level) / 254.0).powi(power) * (high - low) }
+        };
         (quantity["name"].as_str().unwrap().to_owned(), levels.iter().map(number).collect::<Vec<f64>>())
     };
     let mut unpacker = Unpacker {

@@ -9,8 +9,29 @@ function fromHex(text) {
   return [0, 2, 4].map((at) => parseInt(text.slice(at, at + 2), 16));
 }
 
+/** Bands of grains that lay on each other. */
+const LAYERS = 10;
+
+/** Grains by the height at which they lay when the door opened, or else when most were inside; null unless grains flow out. */
+function layers(run, opening) {
+  const { frames, counts, frameList, dimension, top } = run;
+  const inside = (number) => counts[4 * number + 1];
+  const out = (number) => counts[4 * number + 2];
+  if (!(out(frames - 1) > 0)) return null;
+  let at = Number.isFinite(opening) ? frameAt(run.times, opening) : 0;
+  if (!Number.isFinite(opening)) for (let number = 0; number < frames; number++) if (inside(number) >= inside(at)) at = number;
+  const frame = frameList[at];
+  const particles = expand(frame.runs, frame.rows, run.particles);
+  const heights = frame.places[dimension - 1];
+  const rows = Array.from(particles.keys()).filter((row) => run.kinds[particles[row]] === 0).sort((a, b) => heights[a] - heights[b]);
+  if (rows.length < 2 * LAYERS) return null;
+  const levels = new Uint8Array(run.particles).fill(NO_NUMBER);
+  rows.forEach((row, rank) => (levels[particles[row]] = Math.round((Math.floor((LAYERS * rank) / rows.length) * top) / (LAYERS - 1))));
+  return { name: `layer at ${momentOf(run, at)}`, unit: "", isLayers: true, low: 1, high: LAYERS, palette: run.palettes[0], levels, place: -1 };
+}
+
 /** Quantities by which grains can be coloured; the first is the species. */
-function colourings(run) {
+function colourings(run, opening) {
   const species = { name: "species", unit: "", isSpecies: true };
   let changing = 0;
   const quantities = run.quantities.map((quantity) => ({
@@ -23,6 +44,7 @@ function colourings(run) {
     isBelow: quantity.smallest < quantity.low,
     isAbove: quantity.largest > quantity.high,
     largest: quantity.largest,
+    isRoot: quantity.is_root,
     levels: quantity.is_kept ? quantity.levels : null,
     place: quantity.is_kept ? -1 : changing++,
   }));
@@ -31,7 +53,8 @@ function colourings(run) {
   const oldest = ages.reduce((age, first) => Math.max(age, last - first), 0);
   const age = oldest > 0 ? [{ name: "age", unit: "s", low: 0, high: oldest, isAge: true, palette: run.palettes[0] }] : [];
   const rank = (colouring) => ["speed", "pressure", "age", "coordination"].indexOf(colouring.key ?? colouring.name) + 1 || 9;
-  return [species, ...[...quantities, ...age].sort((a, b) => rank(a) - rank(b))];
+  const layered = layers(run, opening);
+  return [species, ...[...quantities, ...age].sort((a, b) => rank(a) - rank(b)), ...(layered ? [layered] : [])];
 }
 
 /** The place in the palette of each row of a frame. */

@@ -74,9 +74,12 @@ function colourBar(colouring) {
   const strip = make("div", { className: "sfp-strip" });
   strip.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
   const scale = make("div", { className: "sfp-ticks" });
-  for (const number of ticks(low, high, 5)) {
+  const share = (number) => (colouring.isRoot ? Math.sqrt((number - low) / (high - low)) : (number - low) / (high - low));
+  // On a scale of roots, small numbers have more room.
+  const numbers = colouring.isRoot ? [low, ...ticks(low, low + (high - low) / 9, 2).slice(1), ...ticks(low, high, 3).slice(1)] : ticks(low, high, 5);
+  for (const number of numbers) {
     const tick = make("span", { textContent: shortNumber(number) });
-    tick.style.left = `${(100 * (number - low)) / (high - low)}%`;
+    tick.style.left = `${100 * share(number)}%`;
     scale.append(tick);
   }
   const unit = colouring.unit ? ` (${colouring.unit})` : "";

@@ -11,10 +11,10 @@ function frameAt(times, time) {
   return low;
 }
 
-/** The time of a frame with as many digits as the times of the first frames have. */
+/** The time of a frame, with the digits that tell neighbouring frames apart. */
 function timeOf(run, number) {
-  run.digits ??= [0, 1, 2, 3, 4, 5, 6, 7, 8].find((digits) =>
-    run.times.subarray(0, 3).every((time) => Math.abs(time * 10 ** digits - Math.round(time * 10 ** digits)) < 1e-4)) ?? 9;
+  const apart = (run.times[run.frames - 1] - run.times[0]) / Math.max(run.frames - 1, 1);
+  run.digits ??= apart > 0 ? Math.min(Math.max(Math.ceil(-Math.log10(apart) - 1e-9), 0), 9) : 3;
   return run.times[number].toFixed(run.digits);
 }
 

@@ -13,7 +13,8 @@ class Player {
     this.number = 0;
     this.isPlaying = false;
     this.listeners = [];
-    this.colourings = run.is_pictures ? [] : colourings(run);
+    const opening = Number(container.dataset.opening ?? NaN);
+    this.colourings = run.is_pictures ? [] : colourings(run, opening);
     const duration = run.times[run.frames - 1] - run.times[0];
     this.speed = SPEEDS.findLastIndex((speed) => speed * PLAYED <= duration * 1.01);
     if (this.speed < 0) this.speed = 0;
@@ -30,7 +31,9 @@ class Player {
     this.view = new View(this.canvas, run);
     this.view.afterDraw = () => this.drawScaleBar();
     const isMixed = new Set(run.speciesOf.filter((_, particle) => run.kinds[particle] === 0)).size > 1;
-    this.colour(isMixed || this.colourings.length < 2 ? 0 : 1);
+    // Species tell the story of a mixture; layers that of a flow.
+    const layers = this.colourings.findIndex((colouring) => colouring.isLayers);
+    this.colour(isMixed || this.colourings.length < 2 ? 0 : Math.max(layers, 1));
     this.listen();
   }
 
@@ -76,7 +79,7 @@ class Player {
 
   /** Sets width over height of the picture, within limits. */
   setAspect(aspect) {
-    this.picture.style.setProperty("--aspect", String(Math.min(Math.max(aspect || 1, 0.6), 2.2)));
+    this.picture.style.setProperty("--aspect", String(Math.min(Math.max(aspect || 1, 0.85), 2.2)));
   }
 
   buildSettings(isSolid) {

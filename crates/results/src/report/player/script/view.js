@@ -131,9 +131,42 @@ class View {
 }
 
 /** The scene and the grains around it, m from the corner of the grid; grains far outside are not looked for. */
+/** The box of the grains of all frames, m from the corner of the grid; null without grains. */
+function boxOfGrains(run) {
+  const low = new Array(run.dimension).fill(Infinity);
+  const high = new Array(run.dimension).fill(-Infinity);
+  for (const frame of run.frameList) {
+    const particles = expand(frame.runs, frame.rows, run.particles);
+    for (let row = 0; row < frame.rows; row++) {
+      if (run.kinds[particles[row]] !== 0) continue;
+      for (let axis = 0; axis < run.dimension; axis++) {
+        const place = frame.places[axis][row];
+        if (place < low[axis]) low[axis] = place;
+        if (place > high[axis]) high[axis] = place;
+      }
+    }
+  }
+  if (!(low[0] <= high[0])) return null;
+  const margin = 0.06 * run.step * Math.max(...low.map((_, axis) => high[axis] - low[axis])) + 2 * run.radii.reduce((a, b) => Math.max(a, b), 0);
+  return [low.map((place) => place * run.step - margin), high.map((place) => place * run.step + margin)];
+}
+
+/** The box that the view shows at first: the grains of the whole run, as far as they are near the walls. */
 function visibleBox(run) {
+  const [low, high] = sceneBox(run);
+  const grains = boxOfGrains(run);
+  if (!grains) return [low, high];
+  for (let axis = 0; axis < run.dimension; axis++) {
+    low[axis] = Math.max(low[axis], grains[0][axis]);
+    high[axis] = Math.min(high[axis], grains[1][axis]);
+  }
+  return [low, high];
+}
+
+/** The box of the scene with a margin. */
+function sceneBox(run) {
   const size = Math.max(...[0, 1, 2].map((axis) => run.domain[1][axis] - run.domain[0][axis]));
-  const margin = Number.isFinite(size) ? 0.3 * size : 0;
+  const margin = Number.isFinite(size) ? 0.12 * size : 0;
   const low = [0, 1, 2].map((axis) => (size > 0 ? Math.max(run.low[axis], run.domain[0][axis] - margin) : run.low[axis]) - run.low[axis]);
   const high = [0, 1, 2].map((axis) => (size > 0 ? Math.min(run.high[axis], run.domain[1][axis] + margin) : run.high[axis]) - run.low[axis]);
   return [low, high];
