@@ -4,7 +4,8 @@
 //! 303, 990, abstract). The fraction of a bed is the mean over the middle of its height and the last tenth of a second, from `profiles.csv`; the
 //! volume of a grain is that of the union of its spheres. The nematic order beside it says whether gravity has aligned the grains.
 //!
-//! Grains of several spheres are not smooth: valleys between spheres act like friction. They are flatter with more spheres.
+//! Grains of several spheres are not smooth: valleys between spheres act like friction. They are flatter with more spheres: in beds of 250 flat grains
+//! 19 spheres gave 0.676, and 31 spheres 0.686.
 
 use crate::studies::validation::groups::groups_by;
 use crate::studies::validation::runs::{FinishedRun, Studies};
@@ -65,7 +66,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let caption = "Dots: means over seeds. Flat grains are left of 1, long ones right of it.".to_owned();
     judgement.pictures.push(Picture { name: "", svg: sheet(&[panel], 1), caption });
     judgement.remarks.push(
-        "Donev et al. compress without gravity; here grains are poured, and gravity orders flat ones. The ellipsoids are rigid bodies of 19 spheres.".to_owned(),
+        "Donev et al. compress without gravity; here grains are poured, and gravity orders flat ones. The ellipsoids are rigid bodies of 31 spheres; with 19, whose valleys are deeper, flat grains pack to 0.676.".to_owned(),
     );
     Ok(judgement)
 }
