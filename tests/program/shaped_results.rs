@@ -1,4 +1,4 @@
-//! What a run with shaped grains leaves: frames, report, exports, profiles; and the shapes that are made from a surface.
+//! Frames, report, exports and profiles of runs with shaped grains, and shapes that are made from a surface.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -163,8 +163,14 @@ impl ShapeConfig {
     }
 }
 
+/// Most spheres that are chosen for a surface. The moments of their union take seconds beyond it.
+const MOST_CHOSEN: u16 = 200;
+
 /// Chooses spheres for the points of a surface.
 fn covered(points: &[SurfacePoint], count: u16) -> Result<MadeShape, String> {
+    if count > MOST_CHOSEN {
+        return Err(format!("{count} spheres are too many: at most {MOST_CHOSEN} are chosen for a surface"));
+    }
     let Cover { balls, deviation } = cover(points, usize::from(count));
     if balls.is_empty() {
         return Err("the shape needs at least one sphere".to_owned());
@@ -227,6 +233,12 @@ mod tests {
             assert!((0.85..1.15).contains(&(size / whole)), "{kind:?} {}", size / whole);
             assert!(deviation.largest < 0.08 * axes.x, "{kind:?} {deviation:?}");
         }
+    }
+
+    #[test]
+    fn a_surface_gets_a_number_of_spheres_that_can_be_worked_with() {
+        let fault = |spheres| ShapeConfig::Crop { kind: Crop::Maize, spheres: Some(spheres) }.make().unwrap_err();
+        assert!(fault(0).contains("at least one sphere") && fault(MOST_CHOSEN + 1).contains("at most 200"));
     }
 
     #[test]

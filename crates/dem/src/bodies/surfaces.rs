@@ -19,6 +19,9 @@ const CELLS: u32 = 15;
 /// Number of points of a polygon or mesh, about.
 const POINTS: u32 = 1200;
 
+/// Most corners of a polygon that a shape is made of. The work grows with their square.
+const MOST_CORNERS: usize = 1000;
+
 /// Most triangles of a mesh that a shape is made of.
 const MOST_TRIANGLES: usize = 20_000;
 
@@ -134,6 +137,11 @@ pub fn polygon(corners: &[Plane]) -> Result<Vec<SurfacePoint>, String> {
     let count = corners.len();
     if count < 3 {
         return Err("a polygon has at least three corners".to_owned());
+    }
+    if count > MOST_CORNERS {
+        return Err(format!(
+            "the polygon has {count} corners, and a shape is made of at most {MOST_CORNERS}: simplify it"
+        ));
     }
     let edge = |i: usize| [corners[i], corners[(i + 1) % count]];
     if let Some(i) = (0..count).find(|&i| edge(i)[0] == edge(i)[1]) {
@@ -347,6 +355,8 @@ mod tests {
         assert!(refused(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0)]).contains("2 and 3"));
         assert!(refused(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)]).contains("cross"));
         assert!(refused(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]).contains("no area"));
+        let corners = vec![(0.0, 0.0); MOST_CORNERS + 1];
+        assert!(refused(&corners).contains("1001 corners"));
         let whole = cuboid(Solid::ONE);
         assert!(mesh(&whole[1..]).unwrap_err().contains("not closed: 3 edges"));
         let mut turned = whole.clone();
