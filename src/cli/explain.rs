@@ -163,9 +163,7 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
         let _ = write!(text, "\n  a field in fields.csv, sampled every {} s", field.sample.get());
     }
     if let Some(outflow) = scene.outflow {
-        let from = outflow.from.get();
-        let to = outflow.to.get();
-        let _ = write!(text, "\n  figures of the outflow from {from} to {to} s in summary.json");
+        let _ = write!(text, "\n  figures of the outflow from {} to {} in summary.json", outflow.from, outflow.to);
     }
     if let Some(flow) = scene.flow {
         let from = 100.0 * flow.from.get();
@@ -177,7 +175,7 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
             flow.sample.get()
         );
     }
-    if let Some((_, interval)) = scene.data_frames() {
+    if let Some((_, interval)) = loaded.data_frames() {
         let _ = write!(text, "\n  a frame of data every {interval} s, in frames.bin");
     }
     let _ = match &scene.pictures {

@@ -10,6 +10,7 @@ mod diff;
 mod disk_recorder;
 #[cfg(test)]
 mod documented_columns;
+mod estimate;
 mod exit_status;
 mod explain;
 mod export;
@@ -92,6 +93,8 @@ enum Command {
     Study(study::StudyArgs),
     /// Run a scene with many values and seeds, and gather means, standard errors, fits and figures.
     Sweep(sweep::SweepArgs),
+    /// Estimate a figure of a scene with its error: chance, stiffness and step, from as few runs as will do.
+    Estimate(estimate::EstimateArgs),
     /// Hold siloflow against silos and impacts that others have measured, and write a page with a figure and verdicts.
     Validate(validate::ValidateArgs),
     /// Check the files of runs against the hashes that the runs have recorded.
@@ -199,6 +202,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
         Command::Sweep(args) => sweep::sweep(args, registry, cli.quiet),
+        Command::Estimate(args) => estimate::estimate(args, registry, cli.quiet),
         Command::Validate(args) => validate::validate(args, registry, cli.quiet),
         Command::Verify(args) => verify::verify(args, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),

@@ -1,7 +1,7 @@
 //! `siloflow sweep`: runs a scene with many values of its keys and several seeds, and gathers means, standard errors and figures.
 
 mod results;
-mod runs;
+pub(in crate::cli) mod runs;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -81,7 +81,7 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         let chosen: Vec<_> = walls.fixes.iter().filter(|(number, _)| is_door(*number) == doors).collect();
         text.push_str(&forces(name, every, &chosen));
     }
-    let frames = loaded.scene.data_frames().map(|(_, interval)| steps(interval, dt));
+    let frames = loaded.data_frames().map(|(_, interval)| steps(interval, dt));
     if let Some(every) = frames {
         let spins = if loaded.scene.contact.spins() { " omegax omegay omegaz" } else { "" };
         let _ = writeln!(

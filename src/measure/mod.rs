@@ -9,6 +9,7 @@ pub mod bed;
 pub mod discharge;
 pub mod fields;
 pub mod flow;
+pub mod moment;
 pub mod orientation;
 pub mod outflow;
 pub mod outputs;

@@ -1,6 +1,7 @@
 //! Figures of a discharge over a window of time: the scene key `outflow`.
 //!
-//! The window is divided into [`BLOCKS`] equal blocks. Only blocks that the run completes count.
+//! The window is divided into [`BLOCKS`] equal blocks. Only blocks that the run completes count. A window may begin and end at events
+//! ([`Moment`]). Then every exit is kept until the end of the run, 32 bytes for a grain.
 //!
 //! * *Rates* in grains/s and kg/s: mean over the blocks, with the 95 % confidence interval ([`Rate`]).
 //! * *Residence time*: from the entry of a grain to its exit through a door, over the grains that leave in the blocks. Grains of the
@@ -16,9 +17,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::fields::Blocks;
+use crate::measure::moment::{Events, Moment};
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::Space;
-use siloflow_dem::values::{Finite, FiniteVector, NonNegative, Positive};
+use siloflow_dem::values::{Finite, FiniteVector, Positive};
 use siloflow_figures::statistics::rate::Rate;
 
 /// Number of blocks of a window.
@@ -31,10 +33,10 @@ pub const SAMPLES: u32 = 128;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outflow {
-    /// Start of the window, s.
-    pub from: NonNegative,
-    /// End of the window, s.
-    pub to: Positive,
+    /// Start of the window.
+    pub from: Moment,
+    /// End of the window.
+    pub to: Moment,
     /// Where velocities are compared for the mass-flow index.
     pub mass_flow: Option<MassFlow>,
 }
@@ -53,6 +55,29 @@ pub struct MassFlow {
     pub centre: Positive,
     /// Least distance from the axis in the zone near the wall, m.
     pub wall: Positive,
+}
+
+/// A window in time, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Start.
+    pub from: f64,
+    /// End.
+    pub to: f64,
+}
+
+impl Outflow {
+    /// The window, if it is known beforehand.
+    #[must_use]
+    pub fn fixed(&self) -> Option<Window> {
+        Some(Window { from: self.from.fixed()?, to: self.to.fixed()? })
+    }
+
+    /// The window, once its events have happened; never if it depends on a share of the grains.
+    #[must_use]
+    pub fn after(&self, events: Events) -> Option<Window> {
+        Some(Window { from: self.from.after(events)?, to: self.to.after(events)? })
+    }
 }
 
 impl MassFlow {
@@ -79,10 +104,25 @@ struct Block {
     residence: [f64; 2],
 }
 
+/// The exit of a grain.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub struct Exit {
+    /// Time, s.
+    pub time: f64,
+    /// Species.
+    pub species: usize,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Time that the grain was inside, s.
+    pub stay: f64,
+}
+
 /// Sums over a window.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct OutflowSums {
     blocks: Vec<Block>,
+    /// All exits so far, if the window is not known beforehand.
+    exits: Vec<Exit>,
     /// Momentum downwards and mass in both zones, each zone in turn.
     zones: Blocks,
 }
@@ -138,24 +178,38 @@ impl OutflowSums {
     #[must_use]
     pub fn new(largest: usize) -> Self {
         let block = Block { mass: vec![0.0; largest + 1], ..Block::default() };
-        Self { blocks: vec![block; BLOCKS], zones: Blocks::new(ZONES) }
+        Self { blocks: vec![block; BLOCKS], exits: Vec::new(), zones: Blocks::new(ZONES) }
     }
 
     /// Whether restored sums have the blocks of every window, and species up to `largest`.
     pub(crate) fn fit(&self, largest: usize) -> bool {
         let is_block = |block: &Block| block.mass.len() == largest + 1 && block.grains <= GrainId::MAX_GRAIN;
-        self.blocks.len() == BLOCKS && self.blocks.iter().all(is_block) && self.zones.fit(ZONES)
+        let is_exit = |exit: &Exit| {
+            exit.species <= largest && [exit.time, exit.mass, exit.stay].iter().all(|x| x.is_finite() && *x >= 0.0)
+        };
+        self.blocks.len() == BLOCKS
+            && self.blocks.iter().all(is_block)
+            && self.exits.len() <= GrainId::MAX_GRAIN as usize
+            && self.exits.iter().all(is_exit)
+            && self.zones.fit(ZONES)
     }
 
-    /// Adds a grain that left at `time`, s, after a stay of `stay`, s.
+    /// Adds the exit of a grain. `window` is `None` if it is not known beforehand.
+    pub fn add(&mut self, window: Option<Window>, exit: Exit) {
+        match window {
+            Some(window) => self.add_to_blocks(window, exit),
+            None => self.exits.push(exit),
+        }
+    }
+
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss,
         reason = "16 blocks"
     )]
-    pub fn add_grain(&mut self, window: &Outflow, time: f64, (species, mass): (usize, f64), stay: f64) {
-        let share = (time - window.from.get()) / (window.to.get() - window.from.get());
+    fn add_to_blocks(&mut self, window: Window, Exit { time, species, mass, stay }: Exit) {
+        let share = (time - window.from) / (window.to - window.from);
         if (0.0..1.0).contains(&share) {
             let block = &mut self.blocks[((share * BLOCKS as f64) as usize).min(BLOCKS - 1)];
             block.grains += 1;
@@ -163,6 +217,14 @@ impl OutflowSums {
             block.residence[0] += stay;
             block.residence[1] += stay * stay;
         }
+    }
+
+    /// Returns the time at which a share of `released` grains was out, s; `None` if it was not, or if the exits are not kept.
+    #[must_use]
+    pub fn time_of(&self, share: f64, released: u32) -> Option<f64> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of grains")]
+        let count = (share * f64::from(released)).ceil() as usize;
+        self.exits.get(count.max(1) - 1).map(|exit| exit.time)
     }
 
     /// Adds a grain of a zone to the present sample.
@@ -190,12 +252,14 @@ impl OutflowSums {
         clippy::cast_precision_loss,
         reason = "16 blocks"
     )]
-    pub fn figures(&self, window: &Outflow, time: f64) -> OutflowFigures {
-        let from = window.from.get();
-        let length = (window.to.get() - window.from.get()) / BLOCKS as f64;
+    pub fn figures(&self, window: Window, time: f64) -> OutflowFigures {
+        let mut sums = self.clone();
+        self.exits.iter().for_each(|exit| sums.add_to_blocks(window, *exit));
+        let from = window.from;
+        let length = (window.to - window.from) / BLOCKS as f64;
         // A run that ends at the end of the window may do so by rounding a little before it.
         let count = (((time - from) / length + 1e-6).max(0.0) as usize).min(BLOCKS);
-        let blocks = &self.blocks[..count];
+        let blocks = &sums.blocks[..count];
         let mass = |block: &Block| block.mass.iter().sum::<f64>();
         let grains = blocks.iter().map(|block| block.grains).sum::<u32>();
         let rate = |of: &dyn Fn(&Block) -> f64| {

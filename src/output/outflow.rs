@@ -7,9 +7,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::ledger::GrainsAccounted;
+use crate::door::DoorState;
+use crate::ledger::{GrainsAccounted, Ledger};
 use crate::measure::ObserveStage;
-use crate::measure::outflow::{Outflow, OutflowFigures, OutflowSums, SAMPLES};
+use crate::measure::moment::{Events, Moment};
+use crate::measure::outflow::{Exit, Outflow, OutflowFigures, OutflowSums, SAMPLES, Window};
+use crate::rest::RestDetector;
 use siloflow_dem::messages::{GrainOut, GrainReleased};
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::particles::Motion;
@@ -30,11 +33,20 @@ pub(crate) struct OutflowState {
     entered: BTreeMap<GrainId, f64>,
 }
 
-/// Returns the figures of a world, if its scene asks for them.
+/// Returns the figures of a world, if its scene asks for them, and if the events of the window have happened.
 pub(crate) fn figures(world: &World) -> Option<OutflowFigures> {
-    let window = world.get_resource::<OutflowWindow>()?;
-    let state = world.get_resource::<OutflowState>()?;
-    Some(state.sums.figures(&window.0, world.resource::<Clock>().time()))
+    let OutflowWindow(outflow, _) = world.get_resource::<OutflowWindow>()?;
+    let sums = &world.get_resource::<OutflowState>()?.sums;
+    let events = events(world.get_resource::<DoorState>(), world.get_resource::<RestDetector>());
+    let released = world.resource::<Ledger>().released;
+    let time = |moment: Moment| moment.time(events, |share| sums.time_of(share, released));
+    let window = Window { from: time(outflow.from)?, to: time(outflow.to)? };
+    (window.from < window.to).then(|| sums.figures(window, world.resource::<Clock>().time()))
+}
+
+/// The events of a run so far.
+fn events(door: Option<&DoorState>, rest: Option<&RestDetector>) -> Events {
+    Events { door: door.and_then(DoorState::open_time), rest: rest.and_then(|rest| rest.rest_time) }
 }
 
 fn observe<V: Space>(
@@ -55,14 +67,24 @@ fn observe<V: Space>(
     out.sort_unstable_by_key(|grain| grain.id);
     for grain in out {
         let stay = now - entered.remove(&grain.id).unwrap_or(0.0);
-        sums.add_grain(&window.0, now, (grain.species.0.into(), grain.mass), stay);
+        sums.add(window.0.fixed(), Exit { time: now, species: grain.species.0.into(), mass: grain.mass, stay });
     }
 }
 
-/// Run condition: a sample of velocities is due.
-fn sample_is_due(clock: Res<Clock>, window: Res<OutflowWindow>, state: Res<OutflowState>) -> bool {
-    let from = window.0.from.get();
-    let to = window.0.to.get();
+/// Run condition: a sample of velocities is due. An event of this very step does not count yet, so that the answer is known before the step.
+fn sample_is_due(
+    clock: Res<Clock>,
+    window: Res<OutflowWindow>,
+    state: Res<OutflowState>,
+    door: Option<Res<DoorState>>,
+    rest: Option<Res<RestDetector>>,
+) -> bool {
+    let before = |event: &f64| *event < clock.time();
+    let Events { door, rest } = events(door.as_deref(), rest.as_deref());
+    let Some(Window { from, to }) = window.0.after(Events { door: door.filter(before), rest: rest.filter(before) })
+    else {
+        return false;
+    };
     let samples = u32::try_from(state.sums.samples()).unwrap_or(u32::MAX);
     window.0.mass_flow.is_some()
         && samples < SAMPLES

@@ -14,6 +14,7 @@ use crate::measure::fields::Layout;
 use crate::scene::TimeStep;
 use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::Loaded;
+use crate::scene::outputs::DataFrames;
 use crate::scene::view;
 use crate::writers::volume::Output;
 use siloflow_dem::particle::GrainId;
@@ -164,10 +165,43 @@ fn mean_shapes(loaded: &Loaded) -> f64 {
     (shapes(loaded) as f64 - released).max(0.0)
 }
 
-/// Returns the frames of data of a scene with this step (s).
-fn frame_data(loaded: &Loaded, dt: f64) -> Option<Output> {
-    let (frames, interval) = loaded.scene.data_frames()?;
-    let key = if frames.interval.is_some() { "data_frames.interval" } else { "pictures.interval" };
+/// Most bytes of frames that no scene asks for with an interval of its own.
+const FREE_BYTES: f64 = 64.0e6;
+
+/// Least number of such frames, of a run that lasts until `until`.
+const FREE_FRAMES: f64 = 200.0;
+
+impl Loaded {
+    /// The frames of data and the time between them, s; `None` if the run keeps none.
+    ///
+    /// Without `data_frames.interval` a scene with pictures has 200 to 500 frames up to `until`, enough for a movie, but no more than
+    /// [`FREE_BYTES`] of them, and at least one for each picture.
+    #[must_use]
+    pub fn data_frames(&self) -> Option<(&DataFrames, f64)> {
+        let frames = self.scene.data_frames.as_ref()?;
+        if let Some(interval) = frames.interval {
+            return Some((frames, interval.get()));
+        }
+        let pictures = self.scene.pictures.as_ref()?.interval.get();
+        let until = self.scene.until.get();
+        let is_affordable = frame_bytes(self, frames) * until / nice_part(until) <= FREE_BYTES;
+        Some((frames, if is_affordable { pictures.min(nice_part(until)) } else { pictures }))
+    }
+}
+
+/// Returns the largest number of the form 1, 2 or 5 times a power of ten of which at least [`FREE_FRAMES`] fit into a time.
+fn nice_part(time: f64) -> f64 {
+    let part = time / FREE_FRAMES;
+    let power = 10f64.powf(part.log10().floor());
+    // Rounding may not leave out the part itself.
+    let most = part * (1.0 + 1e-9);
+    let nice = [5.0, 2.0, 1.0].map(|digit| digit * power).into_iter().find(|it| *it <= most).unwrap_or(power);
+    // The nearest number with few digits, 0.05 rather than 0.05000000000000001.
+    format!("{nice:.0e}").parse().unwrap_or(nice)
+}
+
+/// Returns the expected bytes of a frame.
+fn frame_bytes(loaded: &Loaded, frames: &DataFrames) -> f64 {
     let [grain, contacts] = FRAME_BYTES[loaded.scene.space.count() - 2];
     let each = grain + if frames.contacts { contacts } else { 0.0 };
     let bytes_of = |format: &Format| match format {
@@ -175,6 +209,13 @@ fn frame_data(loaded: &Loaded, dt: f64) -> Option<Output> {
         Format::ExtXyz | Format::LammpsDump => FORMAT_BYTES[1],
     };
     let each = each + frames.format.iter().map(bytes_of).sum::<f64>();
-    let bytes = FRAME_HEAD_BYTES + mean_shapes(loaded) * each;
+    FRAME_HEAD_BYTES + mean_shapes(loaded) * each
+}
+
+/// Returns the frames of data of a scene with this step (s).
+fn frame_data(loaded: &Loaded, dt: f64) -> Option<Output> {
+    let (frames, interval) = loaded.data_frames()?;
+    let key = if frames.interval.is_some() { "data_frames.interval" } else { "pictures.interval" };
+    let bytes = frame_bytes(loaded, frames);
     Some(Output { key: key.to_owned(), interval: interval / dt, rows: 0.0, pictures: 0.0, bytes })
 }

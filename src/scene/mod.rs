@@ -213,14 +213,6 @@ impl Scene {
         let at_rest = self.rest.is_some_and(|rest| rest.stop) && !self.stop.contains(&StopCondition::AtRest);
         self.stop.iter().copied().chain(at_rest.then_some(StopCondition::AtRest)).collect()
     }
-
-    /// The frames of data and the time between them, s; `None` if the run keeps none.
-    #[must_use]
-    pub fn data_frames(&self) -> Option<(&DataFrames, f64)> {
-        let frames = self.data_frames.as_ref()?;
-        let interval = frames.interval.or(self.pictures.as_ref().map(|pictures| pictures.interval))?;
-        Some((frames, interval.get()))
-    }
 }
 
 /// The scene's `step`.

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod diff;
+pub mod estimate;
 pub mod study;
 pub mod sweep;
 pub mod validation;

@@ -7,12 +7,15 @@
 //! | `sh` | commands that this test runs, block after block, in a directory of its own for each page |
 //! | `sh full` | commands that take minutes; run with `SILOFLOW_DOCS=full`, as `.ci/full` does |
 //! | `sh full NAME ...` | the same, where these programs are installed |
+//! | `text` after `sh` | what these commands print |
 //! | `sh setup` | commands that build or install; `.ci/run` runs the important ones |
 //! | `sh manual` | measurements of many minutes, or with programs that have to be built first; run by hand |
 //!
 //! Calls of the program in blocks that are not run must at least be calls that the program understands.
 //!
-//! `cargo run --release --` stands for the program under test.
+//! `cargo run --release --` stands for the program under test. What pages show of the output is compared: [`transcripts`].
+
+mod transcripts;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -130,9 +133,17 @@ fn is_installed(program: &str) -> bool {
     std::env::split_paths(&path).any(|directory| directory.join(program).is_file())
 }
 
-/// Runs the commands of a page.
+/// Whether runs have the bits for which the pages were made.
+const HAS_KNOWN_BITS: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
+
+/// Runs the commands of a page, and compares what it shows of their output.
 fn run(page: &Path, full: bool) -> Result<(), String> {
-    let (_, blocks) = split(&fs::read_to_string(page).unwrap());
+    let text = fs::read_to_string(page).unwrap();
+    let mut renewed = text.clone();
+    let mut wrong = Vec::new();
+    let mut printed: Option<String> = None;
+    let mut has_left_out = false;
+    let (_, blocks) = split(&text);
     let here = tempfile::tempdir().unwrap();
     for name in ["scenes", "assets", "examples"] {
         symlink(crate::root().join(name), here.path().join(name)).unwrap();
@@ -148,7 +159,20 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
         match language.split_whitespace().collect::<Vec<_>>()[..] {
             ["sh"] => {}
             ["sh", "full", ref programs @ ..] if full && programs.iter().all(|program| is_installed(program)) => {}
+            ["text"] => {
+                if let Some(output) = printed.take().filter(|_| HAS_KNOWN_BITS) {
+                    if is_renewed() {
+                        let new = transcripts::renewed(&block, &output);
+                        renewed = renewed.replace(&block, &new.map_err(|why| format!("{}: {why}", page.display()))?);
+                    } else {
+                        wrong.extend(transcripts::compare(&block, &output).err());
+                    }
+                }
+                continue;
+            }
             ["sh", "full", ..] | ["sh", "setup" | "manual"] => {
+                printed = None;
+                has_left_out |= !language.contains("setup");
                 understood(&block).map_err(|why| format!("{}: {why}", page.display()))?;
                 continue;
             }
@@ -158,20 +182,35 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
                     page.display()
                 ));
             }
-            _ => continue,
+            _ => {
+                printed = None;
+                continue;
+            }
         }
-        let script = as_siloflow(&block);
+        let script = format!("exec 2>&1\n{}", as_siloflow(&block));
         let output = Command::new("sh").args(["-euc", &script]).current_dir(&here).env("PATH", &path).output().unwrap();
+        let shown = transcripts::without_progress(&String::from_utf8_lossy(&output.stdout));
         if !output.status.success() {
-            return Err(format!(
-                "{}: exit status {:?} of\n{block}{}",
-                page.display(),
-                output.status.code(),
-                String::from_utf8_lossy(&output.stderr)
-            ));
+            return Err(format!("{}: exit status {:?} of\n{block}{shown}", page.display(), output.status.code()));
         }
+        printed = Some(shown);
     }
-    Ok(())
+    // Values come from runs that may be left out.
+    if HAS_KNOWN_BITS && !has_left_out {
+        let (text, differing) = transcripts::values(&renewed, here.path())?;
+        renewed = text;
+        wrong.extend(differing);
+    }
+    if is_renewed() && renewed != text {
+        fs::write(page, renewed).unwrap();
+        return Ok(());
+    }
+    if wrong.is_empty() || is_renewed() { Ok(()) } else { Err(format!("{}: {}", page.display(), wrong.join("\n"))) }
+}
+
+/// Whether pages are rewritten.
+fn is_renewed() -> bool {
+    std::env::var_os("SILOFLOW_RENEW_PAGES").is_some()
 }
 
 #[test]

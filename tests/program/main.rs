@@ -29,6 +29,7 @@ mod divergence;
 mod docs;
 mod doors;
 mod energy_samples;
+mod estimate;
 mod export;
 #[cfg(unix)]
 mod faults;

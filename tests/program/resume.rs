@@ -53,6 +53,7 @@ const CASES: [Case; 9] = [
         settings: &[
             "until=2.1",
             "pictures=None",
+            "outflow=(from: AfterDoor(0.0), to: Out(0.9))",
             "wall_bands=[(walls: \"gate\", low: -0.01, high: 0.01, bins: 2, sample: 0.003, average: 0.4)]",
         ],
     },

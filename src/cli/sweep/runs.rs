@@ -24,7 +24,7 @@ const PAUSE: Duration = Duration::from_millis(10);
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// The runs of a sweep in a directory.
-pub(super) struct Runs<'a> {
+pub(in crate::cli) struct Runs<'a> {
     pub sweep: &'a Sweep,
     pub directory: &'a SweepDirectory,
     /// Most processes at a time.
@@ -72,7 +72,7 @@ struct Queue {
 
 impl Runs<'_> {
     /// Does all runs of `todo`, out of `all`, and returns those that have no result. After a signal no run is started.
-    pub(super) fn run(&self, all: usize, todo: &[Task]) -> Result<Vec<Failure>, Fault> {
+    pub(in crate::cli) fn run(&self, all: usize, todo: &[Task]) -> Result<Vec<Failure>, Fault> {
         let program = program()?;
         let mut queue = Queue {
             waiting: todo.iter().map(|&task| (task, None)).collect(),

@@ -326,7 +326,7 @@ impl<V: Space> FrameDataPlugin<V> {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(loaded: &Loaded, world: &World, place: &OutputPlace) -> std::io::Result<Option<Self>> {
-        let Some((config, interval)) = loaded.scene.data_frames() else { return Ok(None) };
+        let Some((config, interval)) = loaded.data_frames() else { return Ok(None) };
         let header = header::<V>(loaded, config, world);
         let frames = FrameFile::at(place, &header)?;
         let formats = LiveFormats::open(&config.format, header.clone(), place)?;

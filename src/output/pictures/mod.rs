@@ -65,10 +65,8 @@ impl<V: Space> PicturesPlugin<V> {
         let content = Content::new(&header, style.network.is_some(), true, is_measured);
         let drawing = Drawing { header: Arc::new(header), style: Arc::new(style), content };
         // Where frames are recorded at the same times, they compute the columns of behaviours.
-        let is_recorded = loaded
-            .scene
-            .data_frames()
-            .is_some_and(|(_, interval)| interval.total_cmp(&pictures.interval.get()).is_eq());
+        let is_recorded =
+            loaded.data_frames().is_some_and(|(_, interval)| interval.total_cmp(&pictures.interval.get()).is_eq());
         let has_own_columns = is_measured && !is_recorded;
         Ok(Some(Self { pictures, directory, drawing, has_own_columns, space: PhantomData }))
     }

@@ -95,7 +95,7 @@ fn direction(loaded: &Loaded, pictures: &Pictures) -> Result<(), Fault> {
 /// Frames that the scene asks for need a time between them.
 pub(super) fn data_frames(loaded: &Loaded) -> Result<(), Fault> {
     let is_asked = loaded.source.value_of("data_frames").is_some() && loaded.scene.data_frames.is_some();
-    if is_asked && loaded.scene.data_frames().is_none() {
+    if is_asked && loaded.data_frames().is_none() {
         return Err(loaded
             .fault("scene::missing_key", "data_frames", "a scene without pictures needs the time between frames")
             .help("give `interval`, in s, for example `data_frames: (interval: 0.1)`"));

@@ -36,7 +36,6 @@ use siloflow_text::source::Source;
 use siloflow_text::source::keys::changes;
 
 const MARKER: &str = ".siloflow-sweep";
-const PLAN: &str = "sweep.ron";
 const RUNS: &str = "runs";
 const LOGS: &str = "logs";
 
@@ -92,7 +91,7 @@ impl SweepDirectory {
             Fault::new("sweep::directory", format!("could not write to {}: {error}", path.display()))
                 .help("is there space, and may you write there? Or give another directory with --out")
         };
-        Self::refuse_content(path)?;
+        Self::refuse_content(path, sweep)?;
         let directory = Self { path: path.to_owned() };
         fs::create_dir_all(path).map_err(unwritable)?;
         // The lock makes the marker, which comes before all other content.
@@ -102,8 +101,8 @@ impl SweepDirectory {
         }
         match directory.difference(sweep)? {
             Difference::None => {}
-            Difference::Other if !replace => return Err(other_sweep(path)),
-            _ => whole_file::write(&path.join(PLAN), sweep.text.as_bytes()).map_err(unwritable)?,
+            Difference::Other if !replace => return Err(other_sweep(path, sweep)),
+            _ => whole_file::write(&path.join(sweep.copy), sweep.text.as_bytes()).map_err(unwritable)?,
         }
         Ok(directory)
     }
@@ -113,11 +112,11 @@ impl SweepDirectory {
     /// # Errors
     /// The directory holds another sweep, or something else.
     pub fn find(path: &Path, sweep: &Sweep) -> Result<Option<Self>, Fault> {
-        Self::refuse_content(path)?;
+        Self::refuse_content(path, sweep)?;
         let directory = Self { path: path.to_owned() };
         match directory.difference(sweep)? {
             Difference::None => Ok(Some(directory)),
-            Difference::Other => Err(other_sweep(path)),
+            Difference::Other => Err(other_sweep(path, sweep)),
             Difference::Nothing => Ok(None),
         }
     }
@@ -134,8 +133,8 @@ impl SweepDirectory {
     }
 
     /// Refuses a directory with content that is no sweep.
-    fn refuse_content(path: &Path) -> Result<(), Fault> {
-        let why = match foreign_entry(path, &[MARKER, PLAN]) {
+    fn refuse_content(path: &Path, sweep: &Sweep) -> Result<(), Fault> {
+        let why = match foreign_entry(path, &[MARKER, sweep.copy]) {
             Ok(None) => return Ok(()),
             Ok(Some(name)) => format!("it holds no sweep, but {}", name.display()),
             Err(error) => error.to_string(),
@@ -146,17 +145,17 @@ impl SweepDirectory {
 
     /// Compares the copy of the sweep file with a sweep. Comments and layout do not count.
     fn difference(&self, sweep: &Sweep) -> Result<Difference, Fault> {
-        match own_files::read_text(&self.path.join(PLAN), file::SCENE_BYTES) {
+        match own_files::read_text(&self.path.join(sweep.copy), file::SCENE_BYTES) {
             Ok(text) => {
                 let [ours, theirs] =
-                    [text, sweep.text.clone()].map(|text| Source::new(PLAN, "sweep", Path::new(""), text));
+                    [text, sweep.text.clone()].map(|text| Source::new(sweep.copy, "sweep", Path::new(""), text));
                 Ok(if changes(&ours, &theirs).is_empty() { Difference::None } else { Difference::Other })
             }
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                 Ok(Difference::Nothing)
             }
             Err(error) => {
-                let message = format!("could not read {}: {error}", self.path.join(PLAN).display());
+                let message = format!("could not read {}: {error}", self.path.join(sweep.copy).display());
                 Err(Fault::new("sweep::directory", message).help("give another directory with --out"))
             }
         }
@@ -266,9 +265,12 @@ enum Difference {
     Nothing,
 }
 
-fn other_sweep(path: &Path) -> Fault {
-    Fault::new("sweep::exists", format!("{} holds the sweep of another file: its sweep.ron differs", path.display()))
-        .help("give another directory with --out, or keep the runs that both have in common with --force")
+fn other_sweep(path: &Path, sweep: &Sweep) -> Fault {
+    Fault::new(
+        "sweep::exists",
+        format!("{} holds the sweep of another file: its {} differs", path.display(), sweep.copy),
+    )
+    .help("give another directory with --out, or keep the runs that both have in common with --force")
 }
 
 /// Returns a key in which the scene of a run is not the expected one. A copy of a file counts as the file.

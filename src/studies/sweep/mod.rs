@@ -52,6 +52,8 @@ pub struct Sweep {
     pub keys: Vec<String>,
     /// All points.
     pub points: Vec<Point>,
+    /// Name of the copy of the sweep file in the directory.
+    pub copy: &'static str,
     /// The text of the scene.
     scene_text: String,
 }
@@ -85,9 +87,27 @@ impl Sweep {
         let points = design::points(&plan);
         let keys = plan.keys().map(str::to_owned).collect();
         let name = source.name.clone();
-        let sweep = Self { name, text, plan, scene, keys, points, scene_text };
+        let sweep = Self { name, text, plan, scene, keys, points, copy: "sweep.ron", scene_text };
         sweep.check_figures(&source)?;
         Ok(sweep)
+    }
+
+    /// Makes the sweep of a study that chooses points and seeds of its runs itself. `text` tells the study of a directory from others, and
+    /// `copy` is the name of the file that keeps it there.
+    ///
+    /// # Errors
+    /// If the scene cannot be read.
+    pub fn of_points(
+        name: String,
+        scene: &Path,
+        text: String,
+        copy: &'static str,
+        keys: Vec<String>,
+        points: Vec<Point>,
+    ) -> Result<Self, Fault> {
+        let scene_text = Source::read(scene)?.text;
+        let plan = SweepPlan::without_axes(scene);
+        Ok(Self { name, text, plan, scene: scene.to_owned(), keys, points, copy, scene_text })
     }
 
     /// Checks that the figures can exist in the summary of the scene.

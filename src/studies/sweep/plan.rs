@@ -202,6 +202,20 @@ pub(super) fn read_source(path: &Path) -> Result<Source, Fault> {
 }
 
 impl SweepPlan {
+    /// Returns the plan of a sweep whose points do not come from a file.
+    pub(super) fn without_axes(scene: &Path) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            set: BTreeMap::new(),
+            axes: Vec::new(),
+            latin_hypercube: None,
+            units: BTreeMap::new(),
+            seeds: Seeds(Vec::new()),
+            figures: Vec::new(),
+            fit: None,
+        }
+    }
+
     /// Parses a sweep file and checks its rules.
     pub(super) fn parse(source: &mut Source) -> Result<Self, Fault> {
         let plan: Self = source.parse(&[])?;

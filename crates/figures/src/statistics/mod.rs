@@ -3,7 +3,9 @@
 //! | subject | file |
 //! |---|---|
 //! | mean and standard error, median, geometric mean | [`mean`] |
-//! | Student's t | [`student`] |
+//! | Student's t, from the printed table | [`student`] |
+//! | quantiles of Student's, Fisher's and the binomial distribution | [`quantile`] |
+//! | a mean at one end of a ladder, from means along it | [`extrapolation`] |
 //! | a mean rate with its interval | [`rate`] |
 //! | straight lines with standard errors | [`line`](mod@line) |
 //! | laws that a transformation makes straight | [`fit`] |
@@ -15,12 +17,14 @@
 //! The functions know nothing of runs or scenes. Random numbers are given as an argument.
 
 pub mod digits;
+pub mod extrapolation;
 pub mod fit;
 pub mod geometric;
 pub mod least_squares;
 pub mod line;
 pub mod mean;
 pub mod points;
+pub mod quantile;
 pub mod rate;
 pub mod student;
 

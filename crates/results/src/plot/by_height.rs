@@ -1,18 +1,9 @@
-//! Figures over a place: pressure and friction on walls by height (`wall_bands.csv`), and profiles in bins (`profiles.csv`). They
-//! show the last averaging time.
+//! Figures over a place: profiles in bins (`profiles.csv`). They show the last averaging time.
 
 use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour};
 use siloflow_files::table::Table;
 use siloflow_text::fault::Fault;
-
-/// Columns of `wall_bands.csv`: name, title and label.
-const BANDS: [(&str, &str, &str); 4] = [
-    ("pressure_pa", "Pressure on walls", "pressure, Pa"),
-    ("downward_traction_pa", "Friction on walls", "downward traction, Pa"),
-    ("pressure_n_per_m", "Pressure on walls", "pressure, N/m"),
-    ("downward_traction_n_per_m", "Friction on walls", "downward traction, N/m"),
-];
 
 /// Columns of `profiles.csv`.
 const PROFILES: [(&str, &str, &str); 5] = [
@@ -22,36 +13,6 @@ const PROFILES: [(&str, &str, &str); 5] = [
     ("vz_m_per_s", "Velocity along z", "velocity, m/s"),
     ("temperature_m2_per_s2", "Granular temperature", "temperature, m²/s²"),
 ];
-
-pub(super) fn bands(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
-    let tables = tables(runs, "wall_bands.csv")?;
-    let mut panels = Vec::new();
-    for number in numbers(&tables, "bands") {
-        for (column, title, label) in BANDS {
-            let curves = tables.iter().filter_map(|(place, table)| {
-                let low = table.numbers("low_m")?;
-                let high = table.numbers("high_m")?;
-                let heights: Vec<_> = low.iter().zip(&high).map(|(low, high)| 0.5 * (low + high)).collect();
-                let rows = last_rows(table, "bands", &number)?;
-                let values = table.numbers(column)?;
-                let points = rows.into_iter().map(|row| (values[row], heights[row])).collect();
-                Some(curve(runs, *place, String::new(), points))
-            });
-            let curves: Vec<_> = curves.collect();
-            if curves.iter().any(|curve| curve.points.iter().any(|point| point.0.is_finite())) {
-                let points = || curves.iter().flat_map(|curve| curve.points.iter());
-                let x = Axis::around(label, points().map(|point| point.0).chain([0.0]));
-                let y = Axis::around("height, m", points().map(|point| point.1));
-                panels.push(Panel {
-                    curves,
-                    key: Key::Above,
-                    ..Panel::new(numbered(title, &number, &tables, "bands"), x, y)
-                });
-            }
-        }
-    }
-    Ok(panels)
-}
 
 pub(super) fn profiles(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
     let tables = tables(runs, "profiles.csv")?;
@@ -108,13 +69,13 @@ fn curve(runs: &[&RunResults], place: usize, name: String, points: Vec<(f64, f64
 }
 
 /// Returns the tables of the runs that have one, with the place of the run.
-fn tables(runs: &[&RunResults], file: &str) -> Result<Vec<(usize, Table)>, Fault> {
+pub(super) fn tables(runs: &[&RunResults], file: &str) -> Result<Vec<(usize, Table)>, Fault> {
     let read = runs.iter().enumerate().map(|(place, run)| Ok(run.table(file)?.map(|table| (place, table))));
     read.filter_map(Result::transpose).collect()
 }
 
 /// Returns the numbers of the entries of the scene that tables have, in order.
-fn numbers(tables: &[(usize, Table)], column: &str) -> Vec<String> {
+pub(super) fn numbers(tables: &[(usize, Table)], column: &str) -> Vec<String> {
     let mut numbers: Vec<String> = Vec::new();
     for text in tables.iter().filter_map(|(_, table)| table.texts(column)).flatten() {
         if !numbers.iter().any(|known| known == text) {
@@ -125,7 +86,7 @@ fn numbers(tables: &[(usize, Table)], column: &str) -> Vec<String> {
 }
 
 /// Returns a title, with the number of the entry if there are several.
-fn numbered(title: &str, number: &str, tables: &[(usize, Table)], column: &str) -> String {
+pub(super) fn numbered(title: &str, number: &str, tables: &[(usize, Table)], column: &str) -> String {
     if numbers(tables, column).len() == 1 { title.to_owned() } else { format!("{title}, {column} {number}") }
 }
 

@@ -11,7 +11,7 @@
 //! | `contacts` | `series.csv` | contacts per grain; largest overlap |
 //! | `speed` | `series.csv` | largest speed; of the lattice gas mean velocity, centre of mass and share at rest |
 //! | `walls` | `walls.csv`, `wall_groups.csv` | forces on walls |
-//! | `bands` | `wall_bands.csv` | pressure and friction on walls by height |
+//! | `bands` | `wall_bands.csv` | pressure and friction on walls by height, at rest with Janssen's law, and in flow |
 //! | `profiles` | `profiles.csv` | packing fraction, velocity and temperature in bins |
 //! | `fields` | `fields.csv`, `flow.csv` | solid fraction, speed and temperature as maps |
 //!
@@ -20,6 +20,7 @@
 //! The colours of an SVG are attributes, and its elements have classes, which [`STYLE`] gives the colours of a page. Panels over
 //! time have the attributes of [`Panel::clock`](siloflow_figures::diagram::Panel::clock), so that a page can draw a cursor.
 
+mod bands;
 mod by_height;
 mod discharge;
 mod maps;
@@ -39,6 +40,8 @@ pub struct Figure {
     pub title: String,
     /// The figure.
     pub svg: String,
+    /// Its panels, each a drawing of its own, for a page that arranges them.
+    pub panels: Vec<String>,
 }
 
 /// A style sheet for figures in a page that defines the variables `--paper`, `--ink` and `--line`.
@@ -61,7 +64,7 @@ const FIGURES: [(&str, &str, Draw); 9] = [
     ("contacts", "Contacts", |runs| Ok(over_time::of_groups(runs, &over_time::CONTACTS))),
     ("speed", "Speed", |runs| Ok(over_time::of_groups(runs, &over_time::SPEED))),
     ("walls", "Forces on walls", over_time::walls),
-    ("bands", "Walls by height", by_height::bands),
+    ("bands", "Walls by height", bands::panels),
     ("profiles", "Profiles", by_height::profiles),
     ("fields", "Fields", maps::panels),
 ];
@@ -98,5 +101,6 @@ pub fn named(runs: &[&RunResults], name: &str) -> Result<Option<Figure>, Fault> 
 
 fn figure(name: &str, title: &str, panels: &[Panel]) -> Option<Figure> {
     let svg = (!panels.is_empty()).then(|| sheet(panels, PER_ROW))?;
-    Some(Figure { name: name.to_owned(), title: title.to_owned(), svg })
+    let panels = panels.iter().map(|panel| sheet(std::slice::from_ref(panel), 1)).collect();
+    Some(Figure { name: name.to_owned(), title: title.to_owned(), svg, panels })
 }

@@ -167,11 +167,14 @@ pub(super) fn of_groups(runs: &[&RunResults], groups: &[Group]) -> Vec<Panel> {
 /// Forces on walls: of one run a curve for each wall, or for each name if walls have names; of several runs the sums over all walls.
 pub(super) fn walls(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
+    let is_solid = runs.iter().any(|run| run.table("walls.csv").is_ok_and(|table| is_solid(table.as_ref())));
     for (axis, title) in [("fx_n", "along x"), ("fy_n", "along y"), ("fz_n", "along z")] {
+        // Forces along the horizontal on opposite walls of one name cancel; along the vertical all walls of a name carry together.
+        let is_vertical = axis == if is_solid { "fz_n" } else { "fy_n" };
         let mut curves = Vec::new();
         for run in runs {
             let of_run = match runs.len() {
-                1 => match run.table("wall_groups.csv")? {
+                1 => match run.table("wall_groups.csv")?.filter(|_| is_vertical) {
                     Some(groups) => by_wall(&groups, "walls", axis),
                     None => run.table("walls.csv")?.map(|walls| by_wall(&walls, "wall", axis)).unwrap_or_default(),
                 },
@@ -185,6 +188,11 @@ pub(super) fn walls(runs: &[&RunResults]) -> Result<Vec<Panel>, Fault> {
         }
     }
     Ok(panels)
+}
+
+/// Whether a table of forces is one of solid space.
+fn is_solid(table: Option<&Table>) -> bool {
+    table.is_some_and(|table| table.names().any(|name| name == "fz_n"))
 }
 
 /// Most walls in a figure: the ones with the largest forces.

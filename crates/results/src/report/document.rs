@@ -12,7 +12,7 @@ use hmac_sha256::Hash;
 use serde_json::{Map, Value};
 
 use crate::plot::{self, Figure};
-use crate::report::html::{Section, escape, scrolled};
+use crate::report::html::{Section, escape};
 use crate::report::player::{self, Packed};
 use crate::report::run::Run;
 use crate::report::{
@@ -140,9 +140,9 @@ impl Contents<'_> {
 
     fn figure(figure: &Figure) -> String {
         format!(
-            "<figure class=\"plot\">\n<figcaption>{}</figcaption>\n{}</figure>\n",
+            "<figure class=\"plot\">\n<figcaption>{}</figcaption>\n<div class=\"panels\">{}</div></figure>\n",
             escape(&figure.title),
-            scrolled(&figure.title, &for_terminal(&figure.svg))
+            for_terminal(&figure.panels.concat())
         )
     }
 

@@ -1,0 +1,108 @@
+//! The runs of an estimate: each a process of its own on one core, in a directory like that of a sweep.
+
+use std::num::NonZeroUsize;
+
+use crate::cli::signals::Signals;
+use crate::cli::sweep::runs::Runs;
+use crate::studies::estimate::estimator::{Sample, Sampler};
+use crate::studies::estimate::figure::Figure;
+use crate::studies::estimate::results::RunRecord;
+use crate::studies::sweep::directory::{State, SweepDirectory};
+use crate::studies::sweep::{Sweep, Task};
+use siloflow_figures::statistics::extrapolation::Ladder;
+use siloflow_results::run_results::RunResults;
+use siloflow_text::fault::Fault;
+
+/// The runs of an estimate in a directory.
+pub(super) struct SiloRuns<'a> {
+    sweep: &'a Sweep,
+    directory: &'a SweepDirectory,
+    figure: &'a Figure,
+    ladder: &'a Ladder,
+    /// Seed of the first run of each point.
+    seed: u64,
+    cores: usize,
+    signals: &'a Signals,
+    quiet: bool,
+    /// Number of runs of each point.
+    taken: Vec<u64>,
+    records: Vec<RunRecord>,
+}
+
+impl<'a> SiloRuns<'a> {
+    #[expect(clippy::too_many_arguments, reason = "each is a field")]
+    pub(super) fn new(
+        sweep: &'a Sweep,
+        directory: &'a SweepDirectory,
+        figure: &'a Figure,
+        ladder: &'a Ladder,
+        seed: u64,
+        cores: usize,
+        signals: &'a Signals,
+        quiet: bool,
+    ) -> Self {
+        let taken = vec![0; sweep.points.len()];
+        Self { sweep, directory, figure, ladder, seed, cores, signals, quiet, taken, records: Vec::new() }
+    }
+
+    /// The runs so far.
+    pub(super) fn records(&self) -> Vec<RunRecord> {
+        self.records.clone()
+    }
+
+    /// Reads a run that is over.
+    fn sample(&mut self, task: Task, reason: Option<&str>) -> Result<Sample, Fault> {
+        let State::Over(summary) = self.directory.state(self.sweep, task)? else {
+            let why = reason.unwrap_or("it has no end");
+            let message = format!("run {} has no result: {why}", self.sweep.run_name(task));
+            return Err(
+                Fault::new("estimate::run", message).help("its messages are in the directory `logs` of the estimate")
+            );
+        };
+        let run = RunResults::open(&self.directory.run(self.sweep, task))?;
+        let value = self.figure.of(&run)?;
+        let cost = summary["performance"]["wall_s"].as_f64().unwrap_or(0.0);
+        let state = summary["state_hash"].as_str().and_then(|text| u64::from_str_radix(text, 16).ok());
+        let rungs = self.ladder.softness();
+        self.records.push(RunRecord {
+            run: self.sweep.run_name(task),
+            softness: rungs[task.point % rungs.len()],
+            step_share: if task.point < rungs.len() { 1.0 } else { 0.5 },
+            seed: task.seed,
+            status: summary["status"].as_str().unwrap_or_default().to_owned(),
+            value,
+            wall_s: cost,
+        });
+        Ok(Sample { value, cost, state })
+    }
+}
+
+impl Sampler for SiloRuns<'_> {
+    fn take(&mut self, rungs: &[usize]) -> Result<Vec<Sample>, Fault> {
+        let mut tasks = Vec::new();
+        for &point in rungs {
+            tasks.push(Task { point, seed: self.seed.wrapping_add(self.taken[point]) });
+            self.taken[point] += 1;
+        }
+        let pool = Runs {
+            sweep: self.sweep,
+            directory: self.directory,
+            cores: NonZeroUsize::new(self.cores).unwrap_or(NonZeroUsize::MIN),
+            signals: self.signals,
+            quiet: self.quiet,
+            force: true,
+            retry: false,
+        };
+        let all: u64 = self.taken.iter().sum();
+        let failures = pool.run(usize::try_from(all).unwrap_or(usize::MAX), &tasks)?;
+        if self.is_stopped() {
+            return Ok(Vec::new());
+        }
+        let reason = |task: Task| failures.iter().find(|failure| failure.task == task).map(|it| it.reason.clone());
+        tasks.into_iter().map(|task| self.sample(task, reason(task).as_deref())).collect()
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.signals.received().is_some()
+    }
+}

@@ -1,0 +1,27 @@
+//! An estimate: a figure of a scene with its error, from as few and as soft runs as will do.
+//!
+//! | part | file |
+//! |---|---|
+//! | the figure: a number of the summary, or a mean over part of a table | [`figure`] |
+//! | windows that begin and end at events | [`moment`](crate::measure::moment) |
+//! | the keys of a scene that make it softer | [`softening`] |
+//! | how soft it may be | [`softness`] |
+//! | the estimator: a function of a source of runs | [`estimator`] |
+//! | which run serves most | [`design`] |
+//! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
+//! | results: JSON, table, words | [`results`] |
+//! | the figure of value against softness | [`picture`] |
+//!
+//! What the interval means: with the stated confidence it contains the mean of the figure over all seeds, at the stiffness and the step of the scene. The scatter of
+//! a single run is another number, and stands beside it.
+
+pub mod design;
+pub mod estimator;
+pub mod figure;
+pub mod picture;
+pub mod results;
+pub mod softening;
+pub mod softness;
+
+#[cfg(test)]
+mod coverage;

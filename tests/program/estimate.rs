@@ -1,0 +1,287 @@
+//! `siloflow estimate`: a figure with its error, wrong calls, interruptions, and windows that follow events.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+use crate::command_line::{siloflow, text};
+
+/// Forty discs fall into a trough, come to rest, and leave through a door in its floor. A run takes a few hundredths of a second.
+const SCENE: &str = r#"(
+    parameters: {"stiff": 1.0e5},
+    gravity: (0.0, -9.81),
+    contact: Linear(k: "= stiff", damping: Restitution(0.5), tangential: Spring(k: "= stiff / 3", damping: OfNormal(0.5), friction: 0.4)),
+    mass: Disc(100.0),
+    integrator: Verlet,
+    step: Fixed(4.0e-5),
+    walls: [
+        HalfPlane(point: (-0.1, 0.0), normal: (1.0, 0.0)), HalfPlane(point: (0.1, 0.0), normal: (-1.0, 0.0)),
+        Segment(from: (-0.1, 0.0), to: (-0.05, 0.0), name: "floor"), Segment(from: (0.05, 0.0), to: (0.1, 0.0), name: "floor"),
+        Segment(from: (-0.05, 0.0), to: (0.05, 0.0), door: true),
+    ],
+    fill: [(low: (-0.09, 0.02), high: (0.09, 0.4), place: Random, count: 40, radius: Uniform(0.009, 0.011))],
+    rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02),
+    door: (opens: AtRest),
+    cull: (below: -0.2),
+    stop: [EndOfFlow(still: 0.3)],
+    outflow: (from: AfterDoor(0.0), to: AfterDoor(0.1)),
+    until: 3.0,
+    series: (interval: 0.01),
+    pictures: None,
+)"#;
+
+fn here(scene: &str) -> tempfile::TempDir {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("trough.ron"), scene).unwrap();
+    here
+}
+
+fn estimate(here: &Path, more: &[&str]) -> Output {
+    siloflow(here, &[&["estimate", "trough.ron", "--cores", "2"], more].concat())
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&output.stderr)))
+}
+
+#[test]
+fn an_estimate_has_a_value_an_interval_and_its_sources_and_runs_nothing_twice() {
+    let here = here(SCENE);
+    let figure = ["--figure", "series.csv: coordination, AfterRest(0) to AfterRest(0.01)", "--json"];
+    let first = estimate(here.path(), &[&figure[..], &["--within", "20%"]].concat());
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let found = json(&first);
+    let number =
+        |path: &str| found.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {found:#}"));
+    let (value, low, high) = (number("/value"), number("/interval/0"), number("/interval/1"));
+    // A disc of a packing with friction has three to four contacts in the plane, and at the walls and on top fewer.
+    assert!(low < value && value < high && (1.0..4.0).contains(&value), "{found:#}");
+    assert!(0.5 * (high - low) <= 0.2 * value && number("/confidence") == 0.95, "{found:#}");
+    assert!(found["refused"].is_null() && number("/wall_s") > 0.0 && number("/spread") > 0.0, "{found:#}");
+    let sum = number("/sources/chance") + number("/sources/stiffness");
+    assert!((sum - 0.5 * (high - low)).abs() < 1e-9 * value, "{found:#}");
+    let runs = found["runs"].as_array().unwrap().clone();
+    assert!(runs.iter().any(|run| run["softness"].as_f64().unwrap() > 1.0), "{found:#}");
+    assert!(runs.iter().any(|run| run["step_share"] == 0.5), "{found:#}");
+    for name in ["estimate.json", "estimate.svg", "estimate.png", "runs.csv", "rungs.csv", "estimate.ron"] {
+        assert!(here.path().join("out/trough-estimate").join(name).is_file(), "{name}");
+    }
+    // A narrower one has all runs of the first.
+    let second = json(&estimate(here.path(), &[&figure[..], &["--within", "12%"]].concat()));
+    let again = second["runs"].as_array().unwrap();
+    assert!(again.len() > runs.len(), "{second:#}");
+    for run in &runs {
+        assert!(again.contains(run), "{run} was made again: {second:#}");
+    }
+}
+
+#[test]
+fn softer_runs_have_softer_springs_and_longer_steps() {
+    let here = here(SCENE);
+    let output = estimate(here.path(), &["--figure", "grains.out", "--within", "3"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let runs = here.path().join("out/trough-estimate/runs");
+    // The first rung has the scene's own stiffness, the next 1/3.16 of it.
+    let key = |run: &str, key: &str| {
+        let scene = fs::read_to_string(runs.join(run).join("scene.ron")).unwrap();
+        let at = scene.find(key).unwrap_or_else(|| panic!("{key}: {scene}"));
+        scene[at + key.len()..].split([',', ')']).next().unwrap().trim().to_owned()
+    };
+    let soft = fs::read_dir(&runs).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let soft = soft.filter(|name| name.starts_with("0002-")).min().unwrap();
+    assert_eq!(key(&soft, "Linear(k: "), "\"= (stiff", "an expression is kept");
+    let step: f64 = key(&soft, "step: Fixed(").parse().unwrap();
+    assert!((step / 4.0e-5 - 3.16f64.sqrt()).abs() < 1e-9, "{step}");
+}
+
+#[test]
+fn windows_of_the_outflow_follow_the_door() {
+    let here = here(SCENE);
+    let output = siloflow(here.path(), &["run", "trough.ron", "--json", "--quiet"]);
+    let summary = json(&output);
+    let number =
+        |path: &str| summary.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {summary:#}"));
+    assert_eq!(number("/outflow/from_s"), number("/door_open_time_s"));
+    assert!((number("/outflow/to_s") - number("/door_open_time_s") - 0.1).abs() < 1e-9);
+    // The grains of the window, counted from the rows of the series.
+    let series = fs::read_to_string(here.path().join("out/trough/series.csv")).unwrap();
+    let mut rows = series.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+    let header = rows.next().unwrap();
+    let column = |name: &str| header.iter().position(|found| *found == name).unwrap();
+    let (time, out) = (column("time_s"), column("out"));
+    let rows: Vec<(f64, f64)> = rows.map(|row| (row[time].parse().unwrap(), row[out].parse().unwrap())).collect();
+    let grains = number("/outflow/grains");
+    let at = |t: f64| rows.iter().rfind(|row| row.0 <= t).unwrap().1;
+    let end = number("/outflow/to_s");
+    // A row each 0.01 s: the count lies between those of the rows around the end.
+    assert!(
+        at(end) <= grains && grains <= at(end + 0.011) && grains > 0.0,
+        "{grains}: {} {}",
+        at(end),
+        at(end + 0.011)
+    );
+    // Shares of the grains: half of those that leave between a quarter and three quarters of all.
+    let shares = ["--set", "outflow.from=Out(0.25)", "--set", "outflow.to=Out(0.75)", "--out", "shares"];
+    let summary = json(&siloflow(here.path(), &[&["run", "trough.ron", "--json", "--quiet"], &shares[..]].concat()));
+    let grains = summary["outflow"]["grains"].as_f64().unwrap();
+    assert!((19.0..=21.0).contains(&grains), "{summary:#}");
+}
+
+#[test]
+fn windows_that_no_run_can_have_are_refused() {
+    for (outflow, words) in [
+        ("(from: AfterDoor(0.2), to: AfterDoor(0.1))", "the window is empty"),
+        ("(from: Out(0.5), to: Out(0.5))", "the window is empty"),
+        ("(from: soon, to: 1.0)", "expected a time in s"),
+        ("(from: 0.0, to: 9.0)", "ends at 9 s"),
+        (
+            "(from: Out(0.1), to: 1.0, mass_flow: (axis: (0.0, 0.0), low: 0.0, high: 0.1, centre: 0.02, wall: 0.05))",
+            "known at the end",
+        ),
+    ] {
+        let here = here(&SCENE.replace("(from: AfterDoor(0.0), to: AfterDoor(0.1))", outflow));
+        let output = siloflow(here.path(), &["check", "trough.ron"]);
+        assert!(
+            output.status.code() == Some(2) && text(&output.stderr).contains(words),
+            "{outflow}: {}",
+            text(&output.stderr)
+        );
+    }
+    for (key, words) in
+        [("door: (opens: AtRest),", "no door opens"), ("rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02),", "rest")]
+    {
+        let scene = SCENE.replace(key, if key.starts_with("door") { "door: (opens: Never)," } else { "" });
+        let here = here(
+            &scene
+                .replace("stop: [EndOfFlow(still: 0.3)],", "")
+                .replace("AfterDoor(0.0)", "AfterRest(0.0)")
+                .replace("opens: AtRest", "opens: At(1.0)"),
+        );
+        let output = siloflow(here.path(), &["check", "trough.ron"]);
+        assert!(
+            output.status.code() == Some(2) && text(&output.stderr).contains(words),
+            "{key}: {}",
+            text(&output.stderr)
+        );
+    }
+}
+
+#[test]
+fn wrong_calls_are_refused_and_leave_nothing() {
+    for (more, words) in [
+        (&["--figure", "discharge.rate_pers"][..], "did you mean `rate_per_s`"),
+        (&["--figure", "series.csv: 1 s to 2 s"], "does not name one column"),
+        (&["--figure", "share of clogs"], "no status"),
+        (&["--figure", "grains.out", "--within", "none"], "expected a share such as 2%"),
+        (&["--figure", "grains.out", "--budget", "-3s"], "unexpected argument"),
+        (&["--figure", "grains.out", "--set", "parameters.stif=1"], "stiff"),
+        (&[], "--figure"),
+    ] {
+        let here = here(SCENE);
+        let output = estimate(here.path(), more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(words), "{more:?}: {}", text(&output.stderr));
+        assert!(!here.path().join("out").exists(), "{more:?}");
+    }
+    let here = here(SCENE);
+    let missing = siloflow(here.path(), &["estimate", "none.ron", "--figure", "grains.out"]);
+    assert!(missing.status.code() == Some(2) && !here.path().join("out").exists(), "{}", text(&missing.stderr));
+    // A directory with something else.
+    fs::create_dir_all(here.path().join("out/trough-estimate/mine")).unwrap();
+    let output = estimate(here.path(), &["--figure", "grains.out"]);
+    assert!(output.status.code() == Some(2) && text(&output.stderr).contains("--out"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_figure_that_no_run_has_is_named_after_the_first_runs() {
+    let here = here(SCENE);
+    let output = estimate(here.path(), &["--figure", "wall_bands.csv: sides, pressure"]);
+    assert!(
+        output.status.code() == Some(1) && text(&output.stderr).contains("there is no wall_bands.csv"),
+        "{}",
+        text(&output.stderr)
+    );
+    // No grain is kicked, so that most runs lack the figure.
+    let output = estimate(here.path(), &["--figure", "clog.avalanche_grains", "--json"]);
+    let found = json(&output);
+    assert!(
+        output.status.code() == Some(1) && found["refused"].as_str().unwrap().contains("do not have the figure"),
+        "{found:#}"
+    );
+}
+
+#[test]
+fn a_budget_bounds_the_runs_and_the_best_is_reported() {
+    let here = here(SCENE);
+    let figure = ["--figure", "discharge.rate_per_s", "--json", "--quiet"];
+    let output = estimate(here.path(), &[&figure[..], &["--within", "0.01%", "--budget", "2s"]].concat());
+    let found = json(&output);
+    assert!(output.status.code() == Some(1) && found["refused"].as_str().unwrap().contains("budget"), "{found:#}");
+    assert!(found["value"].as_f64().unwrap() > 0.0 && found["tighter"]["half_width"].as_f64().is_some(), "{found:#}");
+    let output = estimate(here.path(), &[&figure[..], &["--budget", "2s"]].concat());
+    assert!(output.status.success() && json(&output)["refused"].is_null(), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_probability_has_the_interval_of_its_counts() {
+    let here = here(SCENE);
+    let output = estimate(here.path(), &["--figure", "share of end_of_flow", "--within", "0.3", "--json"]);
+    let found = json(&output);
+    let count = found["runs"].as_array().unwrap().len();
+    // All runs end so, or with an empty trough: Clopper and Pearson's interval of n of n or 0 of n has an end at 1 - 0.025^(1/n).
+    let reach = 1.0 - 0.025f64.powf(1.0 / count as f64);
+    let [low, high] = [0, 1].map(|end| found["interval"][end].as_f64().unwrap());
+    let is_certain =
+        [(0.0, reach), (1.0 - reach, 1.0)].iter().any(|(a, b)| (low - a).abs() < 1e-9 && (high - b).abs() < 1e-9);
+    assert!(is_certain || (low > 0.0 && high < 1.0), "{found:#}");
+    assert!(output.status.success() && high - low <= 0.6 && found["not_softened"].is_string(), "{found:#}");
+}
+
+#[test]
+fn a_lattice_gas_has_chance_alone() {
+    let here = tempfile::tempdir().unwrap();
+    let scene = crate::scene("silo2d-lattice.ron");
+    let arguments = [
+        "estimate",
+        scene.to_str().unwrap(),
+        "--set",
+        "until=300",
+        "--figure",
+        "series.csv: out, 200 to 300",
+        "--within",
+        "50%",
+        "--json",
+    ];
+    let output = siloflow(here.path(), &arguments);
+    let found = json(&output);
+    assert!(found["law"].is_null() && found["not_softened"].as_str().unwrap().contains("lattice"), "{found:#}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_estimate_is_continued() {
+    let here = here(SCENE);
+    let arguments =
+        ["estimate", "trough.ron", "--cores", "1", "--figure", "discharge.rate_per_s", "--within", "0.2%", "--json"];
+    let child = Command::new(env!("CARGO_BIN_EXE_siloflow"))
+        .args(arguments)
+        .current_dir(here.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let id = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
+    rustix::process::kill_process(id, rustix::process::Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    let first = json(&output)["runs"].as_array().unwrap().clone();
+    let again = siloflow(here.path(), &[&arguments[..arguments.len() - 3], &["--within", "5%", "--json"]].concat());
+    let second = json(&again);
+    assert!(again.status.success() && !first.is_empty(), "{}", text(&again.stderr));
+    let second = second["runs"].as_array().unwrap();
+    let kept = first.iter().filter(|run| second.contains(run)).count();
+    assert!(kept >= first.len().min(second.len()).saturating_sub(2), "{kept} of {}", first.len());
+}
