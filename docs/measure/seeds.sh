@@ -2,6 +2,7 @@
 # Results of the silo over seeds: uniform grains against mixtures. Prints mean +- standard error over the seeds.
 #   docs/measure/seeds.sh [SEEDS]                    (default 5; about 10 s a seed)
 #   SILOFLOW=PATH docs/measure/seeds.sh [SEEDS]      (with a built program, instead of building one)
+#   JSON=PATH docs/measure/seeds.sh [SEEDS]          (writes the numbers to a file too)
 # A run that loses grains ends with exit status 1 and `"failure": null`. It counts, and the table shows the lost grains.
 # Every other failure stops the script.
 set -euo pipefail
@@ -40,20 +41,27 @@ for scene in silo1 silo1-mixture silo1-polydisperse; do
         }' >>"$out/rows"
   done
 done
-awk '
+awk -v json="${JSON:-/dev/null}" '
+  BEGIN { split("- height packing rest discharge rate mass_rate overlap", name, " ") }
   !($1 in n) { order[++scenes] = $1 }
   { n[$1]++; for (i = 2; i <= NF; i++) { sum[$1, i] += $i; square[$1, i] += $i * $i } }
   END {
     printf "%-20s %18s %18s %18s %18s %18s %18s %18s %8s\n", "scene", "fill height, m", "packing fraction",
            "rest after last, s", "discharge, s", "rate, grains/s", "rate, kg/s", "overlap/R", "lost"
+    printf "{" > json
     for (k = 1; k <= scenes; k++) {
       s = order[k]
       printf "%-20s", s
+      separator = (k > 1) ? ", " : ""
+      printf "%s\"%s\": {\"lost\": %d", separator, s, sum[s, 9] > json
       for (i = 2; i <= 8; i++) {
         mean = sum[s, i] / n[s]; variance = square[s, i] / n[s] - mean * mean
         error = sqrt((variance > 0 ? variance : 0) / (n[s] > 1 ? n[s] - 1 : 1))
         printf " %9.4f +- %.4f", mean, error
+        printf ", \"%s\": {\"mean\": %.6f, \"error\": %.6f}", name[i], mean, error > json
       }
       printf " %8d\n", sum[s, 9]
+      printf "}" > json
     }
+    print "}" > json
   }' "$out/rows"

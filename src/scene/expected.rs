@@ -174,8 +174,8 @@ const FREE_FRAMES: f64 = 200.0;
 impl Loaded {
     /// The frames of data and the time between them, s; `None` if the run keeps none.
     ///
-    /// Without `data_frames.interval` a scene with pictures has 200 to 500 frames up to `until`, enough for a movie, but no more than
-    /// [`FREE_BYTES`] of them, and at least one for each picture.
+    /// Without `data_frames.interval` a scene with pictures has 200 to 500 frames up to `until`, enough for a movie, if they need at most
+    /// 64 MB, and at least one for each picture.
     #[must_use]
     pub fn data_frames(&self) -> Option<(&DataFrames, f64)> {
         let frames = self.scene.data_frames.as_ref()?;

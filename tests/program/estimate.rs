@@ -69,7 +69,7 @@ fn an_estimate_has_a_value_an_interval_and_its_sources_and_runs_nothing_twice() 
         assert!(here.path().join("out/trough-estimate").join(name).is_file(), "{name}");
     }
     // A narrower one has all runs of the first.
-    let second = json(&estimate(here.path(), &[&figure[..], &["--within", "12%"]].concat()));
+    let second = json(&estimate(here.path(), &[&figure[..], &["--within", "7%"]].concat()));
     let again = second["runs"].as_array().unwrap();
     assert!(again.len() > runs.len(), "{second:#}");
     for run in &runs {

@@ -4,9 +4,10 @@ use std::num::NonZeroUsize;
 
 use crate::cli::signals::Signals;
 use crate::cli::sweep::runs::Runs;
-use crate::studies::estimate::estimator::{Sample, Sampler};
+use crate::studies::estimate::estimator::Sampler;
 use crate::studies::estimate::figure::Figure;
 use crate::studies::estimate::results::RunRecord;
+use crate::studies::estimate::rung::Sample;
 use crate::studies::sweep::directory::{State, SweepDirectory};
 use crate::studies::sweep::{Sweep, Task};
 use siloflow_figures::statistics::extrapolation::Ladder;

@@ -5,7 +5,8 @@
 use siloflow_figures::statistics::extrapolation::{Ladder, Powers};
 use siloflow_text::fault::Fault;
 
-use super::estimator::{Answer, Goal, Sample, Sampler, Within, estimate};
+use super::estimator::{Answer, Goal, Sampler, Within, estimate};
+use super::rung::Sample;
 
 const HERTZ: Powers = Powers { low: 0.4, usual: 2.0 / 3.0, high: 1.0 };
 

@@ -8,7 +8,7 @@
 //! Each step of the search compares 1, 2, 4, ... further runs at every rung by the logarithm of the width that they save, over their cost. Several runs at
 //! once are needed to see the use of a rung without any. Once the interval is as narrow as asked for, the cheapest runs that keep it so are best.
 
-use super::estimator::Rung;
+use super::rung::Rung;
 use siloflow_figures::statistics::extrapolation::{Fit, Group, Ladder};
 
 /// Most further runs that are compared at once.

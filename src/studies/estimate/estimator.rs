@@ -22,6 +22,7 @@ use siloflow_figures::statistics::quantile::{binomial, student};
 use siloflow_text::fault::Fault;
 
 use super::design::Design;
+use super::rung::{Rung, Sample};
 
 /// Least degrees of freedom of an interval that is wide by chance.
 pub const LEAST_FREEDOM: usize = 6;
@@ -49,17 +50,6 @@ pub trait Sampler {
 
     /// Whether no further runs are wanted.
     fn is_stopped(&self) -> bool;
-}
-
-/// A run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// The figure; `None` if the run does not have it.
-    pub value: Option<f64>,
-    /// Time on a core, s.
-    pub cost: f64,
-    /// Hash of the state at the end; `None` if it is unknown.
-    pub state: Option<u64>,
 }
 
 /// Width of the interval.
@@ -95,48 +85,6 @@ pub struct Goal {
     pub confidence: f64,
     /// Whether each value is 0 or 1, and its mean a probability.
     pub is_probability: bool,
-}
-
-/// The runs of a rung.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rung {
-    /// Figures of the runs that have it.
-    pub values: Vec<f64>,
-    /// Number of runs without it.
-    pub missing: usize,
-    /// Time of all runs on their cores, s.
-    pub cost: f64,
-    /// Hashes of their states at the end.
-    states: Vec<Option<u64>>,
-}
-
-impl Rung {
-    /// Number of runs.
-    #[must_use]
-    pub fn runs(&self) -> usize {
-        self.values.len() + self.missing
-    }
-
-    /// Mean time of a run, s; not a number without runs.
-    #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "counts of runs")]
-    pub fn cost_of_a_run(&self) -> f64 {
-        self.cost / self.runs() as f64
-    }
-
-    fn add(&mut self, sample: Sample) {
-        match sample.value.filter(|value| value.is_finite()) {
-            Some(value) => self.values.push(value),
-            None => self.missing += 1,
-        }
-        self.cost += sample.cost;
-        self.states.push(sample.state);
-    }
-
-    /// Whether several runs ended in one and the same state.
-    fn is_certain(&self) -> bool {
-        self.states.len() > 1 && self.states.iter().all(|state| state.is_some() && *state == self.states[0])
-    }
 }
 
 /// Why there is no answer as good as asked for.

@@ -8,6 +8,7 @@
 //! | how soft it may be | [`softness`] |
 //! | the estimator: a function of a source of runs | [`estimator`] |
 //! | which run serves most | [`design`] |
+//! | the runs of one stiffness | [`rung`] |
 //! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
 //! | results: JSON, table, words | [`results`] |
 //! | the figure of value against softness | [`picture`] |
@@ -20,6 +21,7 @@ pub mod estimator;
 pub mod figure;
 pub mod picture;
 pub mod results;
+pub mod rung;
 pub mod softening;
 pub mod softness;
 

@@ -270,7 +270,7 @@ mod tests {
                 let samples = groups(&ladder, law, &[0, 3, 3, 4], &mut noise, 0.02);
                 ladder.fit(&samples, 0.95).unwrap().interval.contains(10.0)
             });
-            let share = hits.count() as f64 / f64::from(repeats);
+            let share = f64::from(u32::try_from(hits.count()).unwrap()) / f64::from(repeats);
             // Without samples at softness 1 powers are hardly told apart, so the interval may be too wide. Below, three standard errors of
             // 2000 repetitions are 0.015.
             assert!(share > 0.935, "power {power}: {share}");

@@ -1,7 +1,7 @@
 //! The figure of the discharge: number and mass of the grains that are out over time, each with its mean rate, and the rate over
 //! time.
 //!
-//! If several runs all have a door that opened, their times count from the opening.
+//! If several runs all have a door that opened, their times count from the opening. The figure of one run begins a little before the opening.
 
 use super::over_time::{marks, thinned};
 use super::rate::Fit;
@@ -30,8 +30,13 @@ pub(super) fn panels(runs: &[&RunResults]) -> Vec<Panel> {
         let start = starts.as_ref().map_or(0.0, |starts| starts[number]);
         let rows = runs[number].times().into_iter().zip(runs[number].series.numbers(column)?);
         let rows = rows.map(|(time, amount)| (time - start, amount)).filter(|row| row.1.is_finite());
-        // Rows from the opening on.
-        Some(rows.filter(|row| starts.is_none() || row.0 >= 0.0).collect())
+        // Rows from the opening on, or of one run from a little before it.
+        let from = if starts.is_some() {
+            0.0
+        } else {
+            runs[number].opening().map_or(f64::NEG_INFINITY, |open| lead(open, runs[number]))
+        };
+        Some(rows.filter(|row| row.0 >= from).collect())
     };
     let mut panels = Vec::new();
     for quantity in &QUANTITIES {
@@ -58,6 +63,12 @@ pub(super) fn panels(runs: &[&RunResults]) -> Vec<Panel> {
         panels.push(panel(runs, "Rate of discharge", label, rates, starts.is_some()));
     }
     panels
+}
+
+/// Returns the time at which the figure of a run begins: before the opening by a twentieth of the time after it.
+fn lead(open: f64, run: &RunResults) -> f64 {
+    let last = run.times().last().copied().unwrap_or(open);
+    open - 0.05 * (last - open)
 }
 
 /// Intervals of the rate over time.
@@ -123,7 +134,11 @@ fn panel(runs: &[&RunResults], title: &str, label: &'static str, curves: Vec<Cur
         (true, false) => "time since the door opened, s",
         (true, true) => "time since the door opened, steps",
     };
-    let x = Axis::linear(time, 0.0, if last > 0.0 { last } else { 1.0 });
+    let first = match runs {
+        [run] => run.opening().map_or(0.0, |open| lead(open, run).max(0.0)),
+        _ => 0.0,
+    };
+    let x = Axis::linear(time, first, if last > first { last } else { first + 1.0 });
     let y = Axis::around(label, all().map(|point| point.1).chain([0.0]));
     let clock = Some(if is_since_opening { Clock::Opening } else { Clock::Run });
     let marks = if is_since_opening { Vec::new() } else { marks(runs) };
