@@ -79,6 +79,21 @@ impl<'a> SiloRuns<'a> {
 }
 
 impl Sampler for SiloRuns<'_> {
+    fn known(&mut self) -> Result<Vec<(usize, Sample)>, Fault> {
+        let mut found = Vec::new();
+        for point in 0..self.ladder.softness().len() {
+            loop {
+                let task = Task { point, seed: self.seed.wrapping_add(self.taken[point]) };
+                if !matches!(self.directory.state(self.sweep, task)?, State::Over(_)) {
+                    break;
+                }
+                self.taken[point] += 1;
+                found.push((point, self.sample(task, None)?));
+            }
+        }
+        Ok(found)
+    }
+
     fn take(&mut self, rungs: &[usize]) -> Result<Vec<Sample>, Fault> {
         let mut tasks = Vec::new();
         for &point in rungs {

@@ -4,10 +4,10 @@
 //! If several runs all have a door that opened, their times count from the opening. The figure of one run begins a little before the opening.
 
 use super::over_time::{marks, thinned};
-use super::rate::Fit;
+use super::rate::{Change, Fit};
 use crate::run_results::RunResults;
 use siloflow_figures::diagram::{Axis, Clock, Curve, Key, Panel, colour};
-use siloflow_figures::statistics::rate::Rate;
+use siloflow_figures::statistics::digits::digits;
 
 /// A quantity that leaves.
 struct Quantity {
@@ -102,7 +102,7 @@ fn with_fit(run: &RunResults, quantity: &Quantity, number: usize, name: String, 
     let Some(fit) = Fit::of(rows) else { return vec![curve] };
     let per = if run.is_lattice() { "step" } else { "s" };
     let line = Curve {
-        name: in_words(&fit.rate, &format!("{}/{per}", quantity.unit)),
+        name: in_words(&fit, &format!("{}/{per}", quantity.unit)),
         colour: line_colour,
         points: vec![fit.start, fit.end],
         has_line: true,
@@ -112,8 +112,18 @@ fn with_fit(run: &RunResults, quantity: &Quantity, number: usize, name: String, 
     vec![curve, line]
 }
 
-/// Returns a rate with its interval, for example `mean rate 184 grains/s (95 %: 180 to 188)`.
-fn in_words(rate: &Rate, unit: &str) -> String {
+/// Returns a rate with its interval, for example `mean rate 184 grains/s (95 %: 180 to 188)`, or with its change, for example `mean rate 52.8 grains/s,
+/// falls from 62 to 43`.
+fn in_words(Fit { rate, change, .. }: &Fit, unit: &str) -> String {
+    if let Some(Change { from, to }) = change {
+        let way = if to < from { "falls" } else { "rises" };
+        return format!(
+            "mean rate {} {unit}, {way} from {} to {}",
+            digits(rate.mean, 3),
+            digits(*from, 2),
+            digits(*to, 2)
+        );
+    }
     // Two digits of the half of the interval, but not more than five of the mean.
     let size = rate.high.map_or(0.0, |high| high - rate.mean).max(1e-3 * rate.mean.abs());
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
@@ -148,6 +158,7 @@ fn panel(runs: &[&RunResults], title: &str, label: &'static str, curves: Vec<Cur
 #[cfg(test)]
 mod tests {
     use super::*;
+    use siloflow_figures::statistics::rate::Rate;
 
     #[test]
     fn the_rate_of_a_steady_flow_is_constant_and_starts_with_the_flow() {
@@ -160,9 +171,16 @@ mod tests {
 
     #[test]
     fn a_rate_has_the_digits_of_its_interval() {
-        let rate = |mean, half| in_words(&Rate { mean, low: Some(mean - half), high: Some(mean + half) }, "kg/s");
+        let fit = |mean: f64, half: f64| {
+            let rate = Rate { mean, low: Some(mean - half), high: Some(mean + half) };
+            Fit { rate, change: None, start: (0.0, 0.0), end: (1.0, 1.0) }
+        };
+        let rate = |mean, half| in_words(&fit(mean, half), "kg/s");
+        let falls = Fit { change: Some(Change { from: 61.7, to: 43.2 }), ..fit(52.82, 1.0) };
+        assert_eq!(in_words(&falls, "kg/s"), "mean rate 52.8 kg/s, falls from 62 to 43");
         assert_eq!(rate(51.6234, 3.61), "mean rate 51.6 kg/s (95 %: 48.0 to 55.2)");
         assert_eq!(rate(0.012_34, 0.0002), "mean rate 0.01234 kg/s (95 %: 0.01214 to 0.01254)");
-        assert_eq!(in_words(&Rate { mean: 3.0, low: None, high: None }, "grains/s"), "mean rate 3.0000 grains/s");
+        let alone = Fit { rate: Rate { mean: 3.0, low: None, high: None }, ..falls };
+        assert_eq!(in_words(&Fit { change: None, ..alone }, "grains/s"), "mean rate 3.0000 grains/s");
     }
 }

@@ -3,18 +3,34 @@
 //! The rate is a mean over the time in which the amount grows from 10 to 90 % of its end: neither the start of the flow nor
 //! its thin end counts. This time is divided into up to sixteen blocks, whose rates are taken as independent; the interval is
 //! from Student's distribution. A block has at least two rows.
+//!
+//! A rate that changes steadily has no such interval: its blocks are no sample of one rate. If the slope of a straight line through the rates of the blocks
+//! differs from zero (Student's test, 1 %), the fit has the rates at the ends of that line in its place.
 
+use siloflow_figures::statistics::line::{Gradient, Line};
+use siloflow_figures::statistics::quantile::student;
 use siloflow_figures::statistics::rate::Rate;
 
 /// A rate and the line that it makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// Mean rate, per unit of time.
+    /// Mean rate, per unit of time; without an interval if it changes.
     pub rate: Rate,
+    /// The rates at both ends of the time, if the rate changes steadily.
+    pub change: Option<Change>,
     /// Point at the start of the line: time and amount.
     pub start: (f64, f64),
     /// Point at its end.
     pub end: (f64, f64),
+}
+
+/// A steady change of a rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The rate at the start, per unit of time.
+    pub from: f64,
+    /// The rate at the end.
+    pub to: f64,
 }
 
 /// Most blocks.
@@ -36,8 +52,26 @@ impl Fit {
         let length = (to - from) / blocks as f64;
         let edge = |number: usize| amount_at(rows, from + number as f64 * length);
         let rates: Vec<_> = (0..blocks).map(|block| (edge(block + 1) - edge(block)) / length).collect();
-        Some(Self { rate: Rate::of(&rates), start: (from, 0.1 * all), end: (to, 0.9 * all) })
+        let change = change(&rates);
+        let mut rate = Rate::of(&rates);
+        if change.is_some() {
+            (rate.low, rate.high) = (None, None);
+        }
+        Some(Self { rate, change, start: (from, 0.1 * all), end: (to, 0.9 * all) })
     }
+}
+
+/// Returns the change of the rates of successive blocks; `None` if chance explains it.
+#[expect(clippy::cast_precision_loss, reason = "few blocks")]
+fn change(rates: &[f64]) -> Option<Change> {
+    let points: Vec<_> = rates.iter().enumerate().map(|(block, rate)| (block as f64 + 0.5, *rate)).collect();
+    let line = Line::through(&points)?;
+    let error = line.error(Gradient { by_intercept: 0.0, by_slope: 1.0 })?;
+    let limit = student(0.99, rates.len().checked_sub(2)?);
+    // Rounding of a steady flow is no change.
+    let least = (limit * error).max(1e-6 * line.intercept.abs());
+    let at = |block: f64| line.intercept + line.slope * block;
+    (line.slope.abs() > least).then(|| Change { from: at(0.0), to: at(rates.len() as f64) })
 }
 
 /// Returns the time at which the amount reaches `amount`, linear between rows.
@@ -71,14 +105,24 @@ mod tests {
     }
 
     #[test]
-    fn a_flow_that_doubles_half_way_has_a_wide_interval_around_the_mean() {
-        let amount = |t: f64| if t < 5.0 { t } else { 5.0 + 2.0 * (t - 5.0) };
-        let rows: Vec<_> = (0..=100).map(|n| 0.1 * f64::from(n)).map(|t| (t, amount(t))).collect();
-        let Rate { mean, low, high } = Fit::of(&rows).unwrap().rate;
-        // From 1.5 out at 1.5 s to 13.5 out at 9.25 s.
-        assert!((mean - 12.0 / 7.75).abs() < 1e-9, "{mean}");
-        // Blocks have rates of 1 or 2, so the deviation is near 0.5, of 16 blocks: 2.131 * 0.5/4 on each side.
-        assert!((0.2..0.35).contains(&(high.unwrap() - mean)) && low.unwrap() < mean);
+    fn a_flow_with_pauses_has_an_interval_around_the_mean() {
+        // A unit each second, in the first half of each second.
+        let amount = |t: f64| t.floor() + (2.0 * t.fract()).min(1.0);
+        let rows: Vec<_> = (0..=2500).map(|n| 0.01 * f64::from(n)).map(|t| (t, amount(t))).collect();
+        let fit = Fit::of(&rows).unwrap();
+        let Rate { mean, low, high } = fit.rate;
+        assert!((mean - 1.0).abs() < 0.05 && fit.change.is_none(), "{fit:?}");
+        assert!(low.unwrap() < mean && mean < high.unwrap(), "{fit:?}");
+    }
+
+    #[test]
+    fn a_rate_that_falls_has_its_ends_and_no_interval() {
+        // The rate falls from 10 at 0 s to 0 at 20 s: at 10 % out, 1.03 s, it is 9.49, at 90 %, 13.7 s, 3.16.
+        let rows: Vec<_> = (0..=2000).map(|n| 0.01 * f64::from(n)).map(|t| (t, 10.0 * t - 0.25 * t * t)).collect();
+        let fit = Fit::of(&rows).unwrap();
+        let Change { from, to } = fit.change.unwrap();
+        assert!((from - 10.0 * 0.9f64.sqrt()).abs() < 0.02 && (to - 10.0 * 0.1f64.sqrt()).abs() < 0.02, "{fit:?}");
+        assert_eq!((fit.rate.low, fit.rate.high), (None, None));
     }
 
     #[test]

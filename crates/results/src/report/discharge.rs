@@ -48,7 +48,7 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     }
     let has_mean = runs.iter().any(|run| fit(run, "out").is_some());
     let note = "<p class=\"note\">The mean with its interval is that of up to 16 equal parts of the time between 10 % and 90 % out, from \
-                <code>series.csv</code> (Student's t; sound if successive parts are independent). It is the straight line in the figure \
+                <code>series.csv</code> (Student's t; sound if successive parts are independent). A rate that falls or rises steadily has no interval. It is the straight line in the figure \
                 of the discharge.</p>\n";
     let note = if has_mean { note } else { "" };
     Section::of("discharge", "Discharge", sheet.html("Discharge by number and by mass", labels) + note)
