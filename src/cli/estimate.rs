@@ -1,8 +1,8 @@
 //! `siloflow estimate`: a figure of a scene with its error, from runs that the command chooses.
 
 mod runs;
+mod subject;
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -12,25 +12,22 @@ use clap::Args;
 
 use crate::behaviour::Registry;
 use crate::cli::estimate::runs::SiloRuns;
+use crate::cli::estimate::subject::Subject;
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::run::directory_named;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::available_cores;
 use crate::cli::{SceneArgs, picture_files, refused, say, say_aside, show};
-use crate::scene::check::{self, Estimates};
-use crate::scene::load;
 use crate::scene::loaded::AnyScene;
-use crate::studies::estimate::estimator::{Answer, Goal, Refusal, Within, check_step, estimate as estimate_mean};
+use crate::studies::estimate::estimator::{
+    Answer, Goal, Refusal, StepCheck, Within, check_step, estimate as estimate_mean,
+};
 use crate::studies::estimate::figure::Figure;
 use crate::studies::estimate::picture::{Round, picture};
 use crate::studies::estimate::results::{Estimate, Outcome, rungs_table, runs_table};
-use crate::studies::estimate::softening::Softening;
-use crate::studies::estimate::softness::{DEEPEST_AT_REST, DEEPEST_IMPACT, powers, softnesses};
-use crate::studies::sweep::Sweep;
-use crate::studies::sweep::design::Point;
+use crate::studies::sweep::Task;
 use crate::studies::sweep::directory::SweepDirectory;
 use siloflow_figures::statistics::digits::{digits, short};
-use siloflow_figures::statistics::extrapolation::{Ladder, Powers};
 use siloflow_text::fault::Fault;
 
 /// Arguments of `estimate`.
@@ -91,31 +88,18 @@ fn seconds(text: &str) -> Result<f64, String> {
     found.ok_or_else(|| "expected a time such as 90s, 10min or 2h".to_owned())
 }
 
-/// The scene of an estimate.
-struct Subject {
-    name: String,
-    ladder: Ladder,
-    /// Why the contacts are not made softer.
-    not_softened: Option<String>,
-    keys: Vec<String>,
-    /// The points of all runs: the rungs, then the rungs with half of their step.
-    points: Vec<Point>,
-    is_lattice: bool,
-    seed: u64,
-}
-
 pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) -> Result<ExitStatus, Fault> {
     let begun = Instant::now();
     let scene = args.scene.load()?;
     let figure = Figure::parse(&args.figure, matches!(scene, AnyScene::Lattice(_)))?;
-    let subject = Subject::of(args, &scene, &figure)?;
+    let subject = Subject::of(&args.scene, &scene, &figure);
     let path = args.out.clone().map_or_else(|| directory_named(&format!("{}-estimate", subject.name)), Ok)?;
-    let sweep = subject.sweep(args)?;
+    let sweep = subject.sweep(&args.scene)?;
     if !quiet {
         subject.warn(&scene);
     }
     // An error of the scene changes nothing.
-    sweep.check(crate::studies::sweep::Task { point: 0, seed: subject.seed }, registry)?;
+    sweep.check(Task { point: 0, seed: subject.seed }, registry)?;
     let goal = Goal {
         within: args.within.or(args.budget.is_none().then_some(USUAL)),
         budget: args.budget,
@@ -126,8 +110,18 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     let signals = Signals::catch();
     signals.defer();
     let directory = SweepDirectory::prepare(&path, &sweep, args.force)?;
-    let mut runs =
-        SiloRuns::new(&sweep, &directory, &figure, &subject.ladder, subject.seed, goal.cores, &signals, quiet);
+    let mut runs = SiloRuns {
+        sweep: &sweep,
+        directory: &directory,
+        figure: &figure,
+        ladder: &subject.ladder,
+        seed: subject.seed,
+        cores: goal.cores,
+        signals: &signals,
+        quiet,
+        taken: vec![0; sweep.points.len()],
+        records: Vec::new(),
+    };
     let mut rounds = Vec::new();
     let result = answer(&subject, &goal, &mut runs, &mut rounds, quiet);
     let (answer, step) = match result {
@@ -143,16 +137,15 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
         answer: &answer,
         step,
         not_softened: subject.not_softened.as_deref(),
-        runs: runs.records(),
+        runs: runs.records,
         wall_s: begun.elapsed().as_secs_f64(),
     };
-    let records = outcome.runs.clone();
     let estimate = Estimate::of(outcome);
     let json = serde_json::to_string_pretty(&estimate).unwrap_or_default() + "\n";
-    let svg = picture(&subject.name, &args.figure, &subject.ladder, &answer, &records, &rounds);
+    let svg = picture(&subject.name, &args.figure, &subject.ladder, &answer, &estimate.runs, &rounds);
     let mut files = vec![
         (PathBuf::from("estimate.json"), json.clone().into_bytes()),
-        (PathBuf::from("runs.csv"), runs_table(&records).into_bytes()),
+        (PathBuf::from("runs.csv"), runs_table(&estimate.runs).into_bytes()),
         (PathBuf::from("rungs.csv"), rungs_table(&subject.ladder, &answer).into_bytes()),
     ];
     files.extend(picture_files("estimate", svg)?.map(|(name, content)| (PathBuf::from(name), content)));
@@ -186,7 +179,7 @@ fn answer(
     runs: &mut SiloRuns,
     rounds: &mut Vec<Round>,
     quiet: bool,
-) -> Result<(Answer, Option<crate::studies::estimate::estimator::StepCheck>), Fault> {
+) -> Result<(Answer, Option<StepCheck>), Fault> {
     let mut tell = |answer: &Answer| {
         let Some(fit) = answer.fit else { return };
         rounds.push(Round { spent: answer.spent, half: fit.interval.half() });
@@ -221,126 +214,4 @@ fn progress(answer: &Answer, subject: &Subject, goal: &Goal) -> String {
         let _ = write!(text, ", about {left:.0} s left");
     }
     text
-}
-
-impl Subject {
-    fn of(args: &EstimateArgs, scene: &AnyScene, figure: &Figure) -> Result<Self, Fault> {
-        let source = scene.source();
-        let mut common = args.scene.set.clone();
-        // Pictures and frames change no figure.
-        common.push(("pictures".to_owned(), "None".to_owned()));
-        let (seed, powers, softening, is_lattice) = match scene {
-            AnyScene::Grains(loaded) => {
-                common.push(("data_frames".to_owned(), "None".to_owned()));
-                (loaded.scene.seed, powers(&loaded.scene.contact), Softening::of(source), false)
-            }
-            AnyScene::Lattice(loaded) => {
-                let powers = Powers { low: 1.0, usual: 1.0, high: 1.0 };
-                (loaded.scene.seed, powers, Err("a lattice gas has no stiffness".to_owned()), true)
-            }
-        };
-        let softening = softening.and_then(|softening| {
-            if figure.is_probability() {
-                Err("a probability is counted, not extrapolated".to_owned())
-            } else {
-                Ok(softening)
-            }
-        });
-        let mut not_softened = softening.as_ref().err().cloned();
-        let softening = softening.ok();
-        let softness = softening
-            .as_ref()
-            .map_or_else(|| vec![1.0], |softening| softnesses(|softness| args.estimates(softening, softness)));
-        if softness.len() == 1 && not_softened.is_none() {
-            not_softened = Some(format!(
-                "with softer contacts grains would overlap by more than {DEEPEST_AT_REST} of their radius at rest, or {DEEPEST_IMPACT} in an impact"
-            ));
-        }
-        let mut keys: Vec<String> = common.iter().map(|(key, _)| key.clone()).collect();
-        keys.extend(softening.iter().flat_map(|it| it.paths().map(str::to_owned)));
-        keys.push("step".to_owned());
-        let mut points = Vec::new();
-        for share in [1.0, 0.5] {
-            for &softness in &softness {
-                let mut values: Vec<String> = common.iter().map(|(_, value)| value.clone()).collect();
-                values.extend(softening.iter().flat_map(|it| it.values(softness)));
-                let step = if is_lattice { None } else { args.step(softening.as_ref(), softness, share)? };
-                values.push(step.unwrap_or_default());
-                points.push(Point { values });
-            }
-            if is_lattice {
-                keys.pop();
-                for point in &mut points {
-                    point.values.pop();
-                }
-                break;
-            }
-        }
-        Ok(Self {
-            name: source.name.clone(),
-            ladder: Ladder::new(softness, powers),
-            not_softened,
-            keys,
-            points,
-            is_lattice,
-            seed,
-        })
-    }
-
-    /// The sweep whose points are the rungs.
-    fn sweep(&self, args: &EstimateArgs) -> Result<Sweep, Fault> {
-        let mut text = format!(
-            "// The scene of this estimate, and the changes of its keys.\n(\n    scene: {:?},\n    set: {{\n",
-            args.scene.scene.display().to_string()
-        );
-        for (key, value) in &args.scene.set {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "        {key:?}: {value:?},");
-        }
-        let _ = writeln!(text, "    }},\n    softness: {:?},\n)", self.ladder.softness());
-        Sweep::of_points(
-            self.name.clone(),
-            &args.scene.scene,
-            text,
-            "estimate.ron",
-            self.keys.clone(),
-            self.points.clone(),
-        )
-    }
-
-    /// Logs the warnings of the scene.
-    fn warn(&self, scene: &AnyScene) {
-        let mut told = BTreeMap::new();
-        let AnyScene::Grains(loaded) = scene else { return };
-        for warning in check::warnings(loaded) {
-            told.entry(warning.code).or_insert_with(|| warning.to_string());
-        }
-        for warning in told.into_values() {
-            tracing::warn!("{}: {warning}", self.name);
-        }
-    }
-}
-
-impl EstimateArgs {
-    /// The scene with softer contacts; `None` if it is refused.
-    fn softer(&self, softening: Option<&Softening>, softness: f64) -> Option<Box<crate::scene::loaded::Loaded>> {
-        let values = softening.map(|it| it.paths().map(str::to_owned).zip(it.values(softness)).collect::<Vec<_>>());
-        match load::any(&self.scene.scene, &self.scene.settings(&values.unwrap_or_default())) {
-            Ok(AnyScene::Grains(loaded)) => Some(loaded),
-            _ => None,
-        }
-    }
-
-    fn estimates(&self, softening: &Softening, softness: f64) -> Option<Estimates> {
-        Estimates::of(&*self.softer(Some(softening), softness)?)
-    }
-
-    /// The key `step` of a rung: that of the scene, with softer contacts, times `share`.
-    fn step(&self, softening: Option<&Softening>, softness: f64, share: f64) -> Result<Option<String>, Fault> {
-        let Some(loaded) = self.softer(softening, softness) else {
-            let message = format!("the scene is refused with contacts {softness} times softer");
-            return Err(Fault::new("estimate::softness", message).help("this is an error of siloflow"));
-        };
-        Ok(Some(format!("Fixed({:e})", share * loaded.step())))
-    }
 }

@@ -69,7 +69,7 @@ impl Moment {
     /// Reads a moment as a scene or a call writes it, with or without the unit s.
     ///
     /// # Errors
-    /// What was expected.
+    /// The forms of a moment, in words, if the text has none of them.
     pub fn parse(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
         enum Event {

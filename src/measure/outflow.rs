@@ -197,25 +197,8 @@ impl OutflowSums {
     /// Adds the exit of a grain. `window` is `None` if it is not known beforehand.
     pub fn add(&mut self, window: Option<Window>, exit: Exit) {
         match window {
-            Some(window) => self.add_to_blocks(window, exit),
+            Some(window) => add_to_blocks(&mut self.blocks, window, exit),
             None => self.exits.push(exit),
-        }
-    }
-
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "16 blocks"
-    )]
-    fn add_to_blocks(&mut self, window: Window, Exit { time, species, mass, stay }: Exit) {
-        let share = (time - window.from) / (window.to - window.from);
-        if (0.0..1.0).contains(&share) {
-            let block = &mut self.blocks[((share * BLOCKS as f64) as usize).min(BLOCKS - 1)];
-            block.grains += 1;
-            block.mass[species] += mass;
-            block.residence[0] += stay;
-            block.residence[1] += stay * stay;
         }
     }
 
@@ -253,13 +236,13 @@ impl OutflowSums {
         reason = "16 blocks"
     )]
     pub fn figures(&self, window: Window, time: f64) -> OutflowFigures {
-        let mut sums = self.clone();
-        self.exits.iter().for_each(|exit| sums.add_to_blocks(window, *exit));
+        let mut blocks = self.blocks.clone();
+        self.exits.iter().for_each(|exit| add_to_blocks(&mut blocks, window, *exit));
         let from = window.from;
         let length = (window.to - window.from) / BLOCKS as f64;
         // A run that ends at the end of the window may do so by rounding a little before it.
         let count = (((time - from) / length + 1e-6).max(0.0) as usize).min(BLOCKS);
-        let blocks = &sums.blocks[..count];
+        let blocks = &blocks[..count];
         let mass = |block: &Block| block.mass.iter().sum::<f64>();
         let grains = blocks.iter().map(|block| block.grains).sum::<u32>();
         let rate = |of: &dyn Fn(&Block) -> f64| {
@@ -284,6 +267,19 @@ impl OutflowSums {
             segregation_index: segregation(&blocks.iter().map(|block| &block.mass[..]).collect::<Vec<_>>()),
             mass_flow_index: value.is_finite().then_some(MassFlowIndex { value, error }),
         }
+    }
+}
+
+/// Adds the exit of a grain to the block of its time, if the window has it.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "16 blocks")]
+fn add_to_blocks(blocks: &mut [Block], window: Window, Exit { time, species, mass, stay }: Exit) {
+    let share = (time - window.from) / (window.to - window.from);
+    if (0.0..1.0).contains(&share) {
+        let block = &mut blocks[((share * BLOCKS as f64) as usize).min(BLOCKS - 1)];
+        block.grains += 1;
+        block.mass[species] += mass;
+        block.residence[0] += stay;
+        block.residence[1] += stay * stay;
     }
 }
 

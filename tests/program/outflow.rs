@@ -35,6 +35,23 @@ const WINDOW: &str =
     "outflow: (from: 0.28, to: 2.52, mass_flow: (axis: (0.0, 0.0), low: 0.2, high: 1.2, centre: 0.1, wall: 0.4))";
 
 #[test]
+fn a_window_after_the_door_has_the_figures_of_the_same_times() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("door.dat"), DOOR).unwrap();
+    // The door opens at 0 s, so both windows are one; the velocities of the mass-flow index are sampled in them too.
+    let after = WINDOW.replace("from: 0.28, to: 2.52", "from: AfterDoor(0.28), to: AfterDoor(2.52)");
+    let figures = [("times", WINDOW), ("door", &after)].map(|(name, window)| {
+        fs::write(here.path().join(format!("{name}.ron")), scene(1.4, window)).unwrap();
+        let file = format!("{name}.ron");
+        let output = crate::command_line::siloflow(here.path(), &["run", &file, "--json", "--quiet"]);
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        summary["outflow"].clone()
+    });
+    assert!(figures[0]["mass_flow_index"]["value"].is_number(), "{}", figures[0]);
+    assert_eq!(figures[0], figures[1]);
+}
+
+#[test]
 fn figures_of_a_steady_column_are_those_of_its_grains() {
     let here = tempfile::tempdir().unwrap();
     fs::write(here.path().join("door.dat"), DOOR).unwrap();

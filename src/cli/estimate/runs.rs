@@ -16,41 +16,22 @@ use siloflow_text::fault::Fault;
 
 /// The runs of an estimate in a directory.
 pub(super) struct SiloRuns<'a> {
-    sweep: &'a Sweep,
-    directory: &'a SweepDirectory,
-    figure: &'a Figure,
-    ladder: &'a Ladder,
+    pub sweep: &'a Sweep,
+    pub directory: &'a SweepDirectory,
+    pub figure: &'a Figure,
+    pub ladder: &'a Ladder,
     /// Seed of the first run of each point.
-    seed: u64,
-    cores: usize,
-    signals: &'a Signals,
-    quiet: bool,
+    pub seed: u64,
+    pub cores: usize,
+    pub signals: &'a Signals,
+    pub quiet: bool,
     /// Number of runs of each point.
-    taken: Vec<u64>,
-    records: Vec<RunRecord>,
+    pub taken: Vec<u64>,
+    /// All runs so far.
+    pub records: Vec<RunRecord>,
 }
 
-impl<'a> SiloRuns<'a> {
-    #[expect(clippy::too_many_arguments, reason = "each is a field")]
-    pub(super) fn new(
-        sweep: &'a Sweep,
-        directory: &'a SweepDirectory,
-        figure: &'a Figure,
-        ladder: &'a Ladder,
-        seed: u64,
-        cores: usize,
-        signals: &'a Signals,
-        quiet: bool,
-    ) -> Self {
-        let taken = vec![0; sweep.points.len()];
-        Self { sweep, directory, figure, ladder, seed, cores, signals, quiet, taken, records: Vec::new() }
-    }
-
-    /// The runs so far.
-    pub(super) fn records(&self) -> Vec<RunRecord> {
-        self.records.clone()
-    }
-
+impl SiloRuns<'_> {
     /// Reads a run that is over.
     fn sample(&mut self, task: Task, reason: Option<&str>) -> Result<Sample, Fault> {
         let State::Over(summary) = self.directory.state(self.sweep, task)? else {

@@ -82,7 +82,7 @@ impl Within {
     }
 }
 
-/// What is asked for.
+/// A request: the width of the interval, or the time.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// Width of the interval; `None`: as narrow as the budget allows.
@@ -210,7 +210,8 @@ pub fn estimate(
     }
     let mut is_narrow = false;
     loop {
-        take(&mut answer, goal, sampler, &next)?;
+        let made = take(goal, sampler, &next, &mut answer.spent)?;
+        next.iter().zip(made).for_each(|(rung, sample)| answer.rungs[*rung].add(sample));
         judge(&mut answer, ladder, goal);
         tell(&answer);
         let was_narrow = std::mem::replace(&mut is_narrow, is_as_narrow(&answer, goal));
@@ -232,17 +233,18 @@ pub fn estimate(
     }
 }
 
-/// Makes runs.
-fn take(answer: &mut Answer, goal: &Goal, sampler: &mut impl Sampler, rungs: &[usize]) -> Result<(), Fault> {
+/// Makes runs, as many at a time as there are cores, until the user stops them. `spent` is the time of all runs so far, s.
+fn take(goal: &Goal, sampler: &mut impl Sampler, rungs: &[usize], spent: &mut f64) -> Result<Vec<Sample>, Fault> {
+    let mut all = Vec::new();
     for part in rungs.chunks(goal.cores.max(1)) {
         if sampler.is_stopped() {
-            return Ok(());
+            break;
         }
         let made = sampler.take(part)?;
-        answer.spent += made.iter().map(|sample| sample.cost).fold(0.0, f64::max);
-        part.iter().zip(made).for_each(|(rung, sample)| answer.rungs[*rung].add(sample));
+        *spent += made.iter().map(|sample| sample.cost).fold(0.0, f64::max);
+        all.extend(made);
     }
-    Ok(())
+    Ok(all)
 }
 
 /// Fits all runs, leaves out rungs that are too soft, and finds the reasons to give up.
@@ -373,16 +375,9 @@ pub fn check_step(
     let Some(fit) = answer.fit else { return Ok(None) };
     let Some(own) = Group::of(&answer.rungs[answer.softest].values) else { return Ok(None) };
     let mut half = Rung::default();
-    let wanted = [half_step; RUNS_OF_HALF_STEP];
-    for part in wanted.chunks(goal.cores.max(1)) {
-        if sampler.is_stopped() {
-            break;
-        }
-        let made = sampler.take(part)?;
-        answer.spent += made.iter().map(|sample| sample.cost).fold(0.0, f64::max);
-        for sample in made {
-            half.add(sample);
-        }
+    let made = take(goal, sampler, &[half_step; RUNS_OF_HALF_STEP], &mut answer.spent)?;
+    for sample in made {
+        half.add(sample);
     }
     let Some(halved) = Group::of(&half.values) else { return Ok(None) };
     let change = halved.mean - own.mean;

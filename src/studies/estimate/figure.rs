@@ -14,9 +14,13 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use siloflow_files::own_files;
+use siloflow_files::run_directory::scene_of;
 use siloflow_files::table::Table;
 use siloflow_results::run_results::RunResults;
 use siloflow_text::fault::Fault;
+use siloflow_text::file;
+use siloflow_text::source::Source;
 use siloflow_text::suggestion::did_you_mean;
 
 use crate::measure::moment::{Events, Moment};
@@ -50,7 +54,7 @@ struct Excerpt {
     window: Option<(Moment, Moment)>,
 }
 
-/// What is made of the numbers of a column.
+/// The statistic of the numbers of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Statistic {
     #[default]
@@ -294,8 +298,8 @@ fn names_column(name: &str, wanted: &str) -> bool {
 
 /// Returns the number of the entry of `wall_bands` for walls of this name, from 1.
 fn band(run: &RunResults, name: &str) -> Option<usize> {
-    let text = std::fs::read_to_string(run.directory.join("scene.ron")).ok()?;
-    let source = siloflow_text::source::Source::new("scene.ron", "scene", &run.directory, text);
+    let text = own_files::read_text(&scene_of(&run.directory), file::SCENE_BYTES).ok()?;
+    let source = Source::new("scene.ron", "scene", &run.directory, text);
     let walls = |entry: usize| source.value_of(&format!("wall_bands[{entry}].walls"));
     (0..).map_while(walls).position(|walls| walls.trim_matches('"') == name).map(|entry| entry + 1)
 }

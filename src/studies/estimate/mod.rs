@@ -13,7 +13,7 @@
 //! | results: JSON, table, words | [`results`] |
 //! | the figure of value against softness | [`picture`] |
 //!
-//! What the interval means: with the stated confidence it contains the mean of the figure over all seeds, at the stiffness and the step of the scene. The scatter of
+//! The meaning of the interval: with the stated confidence it contains the mean of the figure over all seeds, at the stiffness and the step of the scene. The scatter of
 //! a single run is another number, and stands beside it.
 
 pub mod design;

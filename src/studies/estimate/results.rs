@@ -108,7 +108,7 @@ pub struct Estimate {
     pub core_s: f64,
 }
 
-/// What the results are made from.
+/// The parts from which the results are made.
 #[derive(Clone, Debug)]
 pub struct Outcome<'a> {
     /// Name of the scene.
