@@ -3,7 +3,7 @@
 //! kinetic (translation and rotation) + gravitational + elastic
 //! = released + work of moving walls + lifted by periodic sides + work of added forces - dissipated - removed + error.
 //!
-//! *Released* is the energy of grains that enter. *Removed* is the energy of everything that leaves the world: culled
+//! *Released* is the energy of grains that enter, also by requests of behaviours. *Removed* is the energy of everything that leaves the world: culled
 //! grains with their contacts, and the elastic energy of contacts with a removed door. *Dissipated* is the work of drag
 //! forces. Work is the time integral of power by the trapezoidal rule, with the acting force and the full-step
 //! velocity.
@@ -63,6 +63,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::activity::Activity;
+pub(crate) use self::energy_flows::energy_of;
 use self::energy_flows::{
     add_initial_overlap_energy, add_leaving_wall_energy, add_released_energy, add_removed_energy,
 };

@@ -45,6 +45,7 @@ pub mod cli;
 pub mod door;
 pub mod ending;
 pub mod energy;
+pub mod grain_requests;
 pub mod grains;
 pub mod lammps;
 pub mod lattice_silo;
@@ -72,6 +73,24 @@ pub use siloflow_results as results;
 #[doc(inline)]
 pub use siloflow_text as text;
 
+/// Runs an expression in the space of an app's scene: in `in_space!(app, V => app.add_systems(Step, push::<V>.in_set(Phase::Forces)))`, `V` is
+/// the type [`Plane`](dem::space::Plane) or [`Solid`](dem::space::Solid).
+#[macro_export]
+macro_rules! in_space {
+    ($app:expr, $space:ident => $run:expr) => {
+        match $crate::dem::space::Dimension::of_world($app.world()) {
+            $crate::dem::space::Dimension::Plane => {
+                type $space = $crate::dem::space::Plane;
+                $run;
+            }
+            $crate::dem::space::Dimension::Solid => {
+                type $space = $crate::dem::space::Solid;
+                $run;
+            }
+        }
+    };
+}
+
 /// Names that a behaviour needs. A crate that depends on siloflow and serde alone can use the derives of the ECS too.
 /// These derives name `bevy_ecs`, which `use siloflow::prelude::*` imports into the module ([`behaviour`] shows the
 /// `Cargo.toml`).
@@ -83,6 +102,8 @@ pub mod prelude {
     pub use bevy_ecs::system::SystemParam;
 
     pub use crate::behaviour::{Behaviour, Registry};
+    pub use crate::grain_requests::{GrainMade, GrainRequests, NewGrain, Piece};
+    pub use crate::in_space;
     pub use crate::ledger::Ledger;
     pub use crate::measure::outputs::OutputApp;
     pub use crate::measure::{ObserveStage, due, observe_every};
@@ -90,12 +111,14 @@ pub mod prelude {
     pub use crate::scene::loaded::Loaded;
     pub use crate::simulation::Simulation;
     pub use crate::writers::run_path::RunPath;
+    pub use siloflow_dem::added_loads::{AddForce, AddTorque};
+    pub use siloflow_dem::bodies::{Orientation, Shape};
     pub use siloflow_dem::contact::memory::{Memory, MemoryVariable, Parity};
     pub use siloflow_dem::contact::{Bounce, ContactPlugin, LawRequirements, Pair, PairForce, PairLaw};
     pub use siloflow_dem::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
     pub use siloflow_dem::outcome::{End, Failure, Outcome};
     pub use siloflow_dem::particle::{
-        Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity,
+        Door, Fixed, Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Slot, Species, Velocity,
     };
     pub use siloflow_dem::particles::{Motion, Particles};
     pub use siloflow_dem::persist::PersistApp;

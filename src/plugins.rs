@@ -17,7 +17,9 @@ use crate::ending::stop::conditions::{StopCondition, StopPlugin};
 use crate::ending::stop::kick::KickPlugin;
 use crate::ending::watchdog::WatchdogPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
+use crate::grain_requests::RequestsPlugin;
 use crate::grains::feed::FeedPlugin;
+use crate::grains::free_id::FreeId;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
 use crate::measure::ObservePlugin;
@@ -36,6 +38,7 @@ use siloflow_dem::integrate::wrap::PeriodicPlugin;
 use siloflow_dem::messages::MessagesPlugin;
 use siloflow_dem::neighbours::NeighboursPlugin;
 use siloflow_dem::periodic::Periodic;
+use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::space::{Solid, Space};
 use siloflow_dem::step::{ForceStage, Step, StepPlugin};
 use siloflow_dem::store::{StorePlugin, clear_forces};
@@ -132,10 +135,19 @@ pub(crate) fn add_all<V: Engine>(
         let first_id = loaded.first_free_id();
         app.add("spawner", SpawnerPlugin { config, mass, seed: scene.seed, first_id, space });
     }
+    if has_behaviours || !scene.feed.is_empty() {
+        let of_spawner = scene.spawner.as_ref().map_or(0, |spawner| spawner.count);
+        app.provide(FreeId(loaded.first_free_id().saturating_add(of_spawner)));
+        app.add_with(if has_behaviours { "behaviours" } else { "feed" }, |app| {
+            app.persist::<FreeId>();
+        });
+    }
     if let Some(mass) = scene.mass.filter(|_| !scene.feed.is_empty()) {
-        let first_id = loaded.first_free_id();
         let inertia = loaded.grains_spin().then(|| loaded.inertia());
-        app.add("feed", FeedPlugin { feeds: scene.feed.clone(), mass, inertia, seed: scene.seed, first_id, space });
+        app.add("feed", FeedPlugin { feeds: scene.feed.clone(), mass, inertia, seed: scene.seed, space });
+    }
+    if has_behaviours {
+        app.add("behaviours", RequestsPlugin { mass: scene.mass, space });
     }
     if let Some(rest) = scene.rest {
         app.add("rest", RestPlugin(rest, space));

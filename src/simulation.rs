@@ -28,7 +28,7 @@ use crate::scene::loaded::Loaded;
 use crate::writers::picture_writer::PictureWriter;
 use crate::writers::run_path::RunPath;
 use siloflow_dem::outcome::Failure;
-use siloflow_dem::persist::{self, Problem, Section, UnknownState};
+use siloflow_dem::persist::{self, Problem, Section, UnknownState, Unregistered};
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::store;
 use siloflow_files::run_directory::RunDirectory;
@@ -159,12 +159,14 @@ impl Simulation {
         self.app.insert_resource(checkpoints);
     }
 
-    /// Returns the state that behaviours write and that no checkpoint would save, as text; `None` if there is none.
+    /// Returns the state that behaviours write and that no checkpoint would save, as text, with the call that saves it; `None` if there is none.
     pub(crate) fn unsaved_state(&mut self) -> Option<String> {
         let found = persist::unregistered(self.app.world_mut());
-        let words = found.into_iter().map(|(state, system)| match system {
-            Some(system) => format!("{state}, written by {system}"),
-            None => state,
+        let words = found.into_iter().map(|(state, Unregistered { writer, is_resource })| {
+            let writer = writer.map_or(String::new(), |system| format!(", written by {system}"));
+            let call = if is_resource { "persist" } else { "persist_component" };
+            let name = state.rsplit("::").next().unwrap_or(&state);
+            format!("{state}{writer} (`app.{call}::<{name}>()` saves it)")
         });
         let words: Vec<_> = words.collect();
         (!words.is_empty()).then(|| words.join("; "))

@@ -127,7 +127,7 @@ fn checkpoint_config(
     let Some(unsaved) = config.and_then(|_| simulation.unsaved_state()) else { return Ok(config) };
     let message = format!("checkpoints would not save all state: {unsaved}");
     if options.checkpoint_every.is_none() && scene.source().value_of("checkpoint").is_none() {
-        tracing::warn!("no checkpoints: {message}; a behaviour saves it with `app.persist::<...>()`");
+        tracing::warn!("no checkpoints: {message}");
         return Ok(None);
     }
     let fault = match options.checkpoint_every {
@@ -135,8 +135,7 @@ fn checkpoint_config(
         None => scene.source().fault("checkpoint::unsaved_state", "checkpoint", message),
     };
     Err(fault.help(
-        "in the plugin that owns it, call `app.persist::<...>()`, `app.persist_component::<...>()` or, for a cache, \
-         `app.derived::<...>()`",
+        "add the call to the `build` of the behaviour; for a cache that is computed anew from other state it is `app.derived::<...>()`",
     ))
 }
 

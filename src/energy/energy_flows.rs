@@ -16,6 +16,14 @@ fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {
     0.5 * mass * v.length_squared() - mass * gravity.dot(x)
 }
 
+/// Returns the kinetic and gravitational energy of the grain in row `i`, J; zero if it is fixed.
+pub(crate) fn energy_of<V: Space>(store: &ParticleStore<V>, i: usize, gravity: V) -> f64 {
+    if !store.integrated_rows().contains(&i) {
+        return 0.0;
+    }
+    mechanical(store.mass[i], store.body[i].position, store.body[i].velocity, gravity) + store.rotational_energy(i)
+}
+
 /// Adds the energy of removed particles and their contacts. The store still holds their last state.
 pub(super) fn add_removed_energy<V: Space>(
     survey_param: SurveyParam<V>,

@@ -23,6 +23,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::inlet::{Inlet, Progress, Released};
+use crate::grains::free_id::FreeId;
 use crate::grains::mass::MassLaw;
 use crate::grains::pending::{LeftOfSpawner, Pending};
 use crate::grains::region::Region;
@@ -189,7 +190,6 @@ pub struct FeedFigure {
 #[derive(Resource)]
 struct Feeds<V: Space> {
     inlets: Vec<Inlet<V>>,
-    next_id: u32,
 }
 
 fn is_due<V: Space>(clock: Res<Clock>, feeds: Res<Feeds<V>>) -> bool {
@@ -201,6 +201,7 @@ fn feed<V: Space>(
     mut commands: Commands,
     particles: Particles<V>,
     mut feeds: ResMut<Feeds<V>>,
+    mut ids: ResMut<FreeId>,
     mut pending: ResMut<Pending>,
     mut figures: ResMut<FeedFigures>,
     mut outcome: ResMut<Outcome>,
@@ -208,7 +209,7 @@ fn feed<V: Space>(
     clock: Res<Clock>,
     walls: Res<Surfaces<V>>,
 ) {
-    let Feeds { inlets, next_id } = &mut *feeds;
+    let Feeds { inlets } = &mut *feeds;
     // Grains of this step have no row yet.
     let mut newcomers: Vec<(V, f64)> = Vec::new();
     for (number, (inlet, figure)) in inlets.iter_mut().zip(&mut figures.0).enumerate() {
@@ -217,7 +218,7 @@ fn feed<V: Space>(
         }
         let near = inlet.near(&particles);
         let mut tries_left = inlet.config.tries;
-        while inlet.is_due(&clock) && inlet.draw(next_id) {
+        while inlet.is_due(&clock) && inlet.draw(&mut ids) {
             let place = |x: V, radius: f64| {
                 let touches = |&(y, other): &(V, f64)| particles.separation(x, y).length() < radius + other;
                 let is_free = !near.iter().chain(&newcomers).any(touches);
@@ -270,8 +271,6 @@ pub struct FeedPlugin<V: Space> {
     pub inertia: Option<InertiaLaw>,
     /// The scene's seed.
     pub seed: u64,
-    /// Id of the first grain.
-    pub first_id: u32,
     /// The space.
     pub space: PhantomData<V>,
 }
@@ -302,16 +301,15 @@ impl<V: Space> Plugin for FeedPlugin<V> {
         let to_come = inlets.iter().map(|inlet| inlet.left.unwrap_or(1));
         app.world_mut().resource_mut::<Pending>().0 += to_come.sum::<u32>();
         app.insert_resource(FeedFigures(vec![FeedFigure::default(); inlets.len()]))
-            .insert_resource(Feeds { inlets, next_id: self.first_id })
+            .insert_resource(Feeds { inlets })
             .persist_sound::<FeedFigures>()
             .check_restored(check_restored::<V>)
             .persist_sound_part::<Feeds<V>, _>(
-                |feeds| Ok((feeds.inlets.iter().map(Inlet::progress).collect::<Vec<Progress>>(), feeds.next_id)),
-                |feeds, (progress, next_id)| {
+                |feeds| Ok(feeds.inlets.iter().map(Inlet::progress).collect::<Vec<Progress>>()),
+                |feeds, progress| {
                     if progress.len() != feeds.inlets.len() {
                         return Err(format!("it has {} feeds, the scene {}", progress.len(), feeds.inlets.len()));
                     }
-                    feeds.next_id = next_id;
                     feeds.inlets.iter_mut().zip(progress).try_for_each(|(inlet, progress)| inlet.restore(progress))
                 },
             )

@@ -3,6 +3,7 @@
 pub mod feed;
 pub mod file;
 pub mod fill;
+pub mod free_id;
 pub(crate) mod grain_snapshot;
 pub mod mass;
 pub mod occupied;

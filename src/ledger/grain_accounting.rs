@@ -1,6 +1,7 @@
-//! Grain accounting: counts grains that enter, are out or are lost, and applies `on_loss`.
+//! Grain accounting: counts grains that enter, are out, lost or removed, and applies `on_loss`.
 //!
-//! It reads the messages `GrainReleased`, `GrainOut` and `GrainLost`. A grain removed by any other system is lost too.
+//! It reads the messages `GrainReleased`, `GrainOut` and `GrainLost`. Requests of behaviours remove grains by [`Ledger::remove`]. A grain that any other
+//! system despawns is lost.
 
 use std::collections::HashSet;
 use std::marker::PhantomData;
@@ -63,6 +64,10 @@ pub struct Ledger {
     written_losses: u32,
     /// Number of grains removed below the cull line, out or lost.
     pub culled: u32,
+    /// Number of grains that requests of behaviours have removed from the inside.
+    pub removed: u32,
+    /// Ids of grains that requests have removed, until the store reports it.
+    taken: HashSet<GrainId>,
     /// Ids of the present grains that are out or lost.
     gone: HashSet<GrainId>,
     /// Ids of grains that a behaviour removed, until their loss is counted.
@@ -95,10 +100,16 @@ impl Ledger {
         self.gone.contains(&grain)
     }
 
-    /// Returns the number of grains inside: released, and neither out nor lost.
+    /// Counts a grain that a request removes. A grain that `is_gone` already, out or lost, stays counted as such.
+    pub(crate) fn remove(&mut self, grain: GrainId, is_gone: bool) {
+        self.taken.insert(grain);
+        self.removed += u32::from(!is_gone);
+    }
+
+    /// Returns the number of grains inside: released, and neither out, lost nor removed.
     #[must_use]
     pub fn inside(&self) -> u32 {
-        self.released.saturating_sub(self.out() + self.lost())
+        self.released.saturating_sub(self.out() + self.lost() + self.removed)
     }
 }
 
@@ -121,10 +132,10 @@ fn report_vanished_grains<V: Space>(
     for &row in store.vacated().iter().filter(|&&row| store.is_whole(row)) {
         let id = store.id[row];
         // Nothing is kept of a grain that is counted and no longer present, so that the memory of a long run is bounded.
-        let is_counted = culled.0.remove(&id) | ledger.gone.remove(&id);
+        let is_counted = culled.0.remove(&id) | ledger.gone.remove(&id) | ledger.taken.remove(&id);
         if !is_counted && !id.is_wall() {
             ledger.vanished.insert(id);
-            let way = "removed by a behaviour".to_owned();
+            let way = "despawned by a behaviour without a request (`GrainRequests`)".to_owned();
             lost.write(GrainLost { id, position: store.body[row].position, way, nearest: None });
         }
     }
@@ -173,7 +184,7 @@ pub(super) fn account_for_grains<V: Space>(
 fn check_ledger(world: &mut World) -> Result<(), Problem> {
     let Some(ledger) = world.get_resource::<Ledger>() else { return Ok(()) };
     let lost = u64::from(ledger.written_losses) + ledger.lost.len() as u64;
-    let gone = u64::from(ledger.out()) + lost;
+    let gone = u64::from(ledger.out()) + lost + u64::from(ledger.removed);
     let most = u64::from(GrainId::MAX_GRAIN);
     // A behaviour may remove grains of the start, which were not released.
     if u64::from(ledger.released).max(gone).max(ledger.culled.into()) > most || !ledger.departures.is_sound() {

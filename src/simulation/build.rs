@@ -81,8 +81,14 @@ impl Simulation {
             }
             schedule.initialize(world).map(|_| ()).map_err(|error| {
                 let message = error.to_string(schedule.graph(), world);
+                let help = if ["particle::Force", "spin::Torque"].iter().any(|sum| message.contains(sum)) {
+                    "a system that only adds to `Force` or `Torque` takes the parameter `AddForce` or `AddTorque` in place of a query with \
+                     `&mut`: siloflow orders such systems itself"
+                } else {
+                    "order the systems of behaviours with `.after(...)`, `.before(...)` or `.chain()`"
+                };
                 Fault::new("behaviour::schedule", format!("the systems of this scene cannot be ordered: {message}"))
-                    .help("order the systems of behaviours with `.after(...)`, `.before(...)` or `.chain()`")
+                    .help(help)
             })
         })?;
         Ok(Self { app })

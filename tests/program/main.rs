@@ -39,6 +39,7 @@ mod frame_data;
 mod friction_scenes;
 mod from_other_walls;
 mod from_run;
+mod grain_requests;
 mod hard;
 #[cfg(unix)]
 mod hostile;

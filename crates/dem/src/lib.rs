@@ -4,6 +4,7 @@
 //!
 //! Begin with [`step`] for the phases of a step, [`store`] for the numbers, [`contact`] for a law, [`walls`] for a shape.
 
+pub mod added_loads;
 pub mod bodies;
 pub mod budget;
 pub mod contact;

@@ -50,7 +50,7 @@ use serde::de::DeserializeOwned;
 
 pub use self::config::{CheckpointConfig, CheckpointFigures, default_checkpoint};
 pub use self::entities::{EntityNumbers, SavedEntities};
-pub use self::unregistered::unregistered;
+pub use self::unregistered::{Unregistered, unregistered};
 
 /// State that can be saved and restored.
 pub trait Persistent: Serialize + DeserializeOwned + Send + Sync + 'static {}

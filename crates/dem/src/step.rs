@@ -39,9 +39,11 @@ pub enum Phase {
 }
 
 /// Parts of a step around the systems of a [`Phase`]. In each phase the order is engine, refresh, the phase itself,
-/// write-back. After [`Phase::Spawn`] come renumbering and sort.
+/// write-back. Before [`Phase::Spawn`] requests of the last step are carried out; after it come renumbering and sort.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
+    /// Before all phases: grains come, go and change as the last step has asked for.
+    Requests,
     /// The passes over the particle store that do the phase's work.
     Engine(Phase),
     /// Copies the components that systems of the phase read from the store.
@@ -78,9 +80,9 @@ pub enum ForceStage {
     Contacts,
     /// Weight of particles without contacts. For grains the weight is the first term of the contact sums instead.
     Gravity,
-    /// Behaviours add their own forces to `Force` here. Systems of one stage run in the order of registration only if
-    /// they declare it (`.chain()`, `.after(...)`). Two systems that write `Force` without a declared order are refused
-    /// as ambiguous.
+    /// Behaviours add their own forces here. Systems with the parameters `AddForce`, `AddTorque` and `PairForces`
+    /// ([`added_loads`](crate::added_loads)) run in the order of their behaviours' names. A system with `&mut Force` may also set it:
+    /// two systems of which one has it need a declared order (`.chain()`, `.after(...)`), otherwise they are refused as ambiguous.
     Added,
 }
 
@@ -193,6 +195,7 @@ impl Plugin for StepPlugin {
             for phase in [Phase::Drift, Phase::Kick] {
                 schedule.configure_sets((Part::Engine(phase).run_if(time_moves), phase.run_if(time_moves)));
             }
+            schedule.configure_sets(Part::Requests.before(Part::Engine(Phase::Spawn)));
             let renumber = (Part::Renumber, Part::Sort).chain();
             let renumber = renumber.after(Part::WriteBack(Phase::Spawn)).before(Part::Engine(Phase::Drift));
             schedule.configure_sets((renumber, Part::End.after(Part::WriteBack(Phase::Observe))));

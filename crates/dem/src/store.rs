@@ -21,6 +21,7 @@
 
 mod access_markers;
 mod accumulator;
+mod adders_in_order;
 mod bodies;
 mod body_motion;
 mod component_sync;
@@ -50,7 +51,7 @@ use std::ops::Range;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-pub use self::access_markers::PlainCommands;
+pub use self::access_markers::{AddsLoads, PlainCommands};
 pub(crate) use self::access_markers::{OwnObserver, ReadsMotion, ReadsPlaces};
 pub use self::accumulator::{Accumulator, TOTAL_AND_DISSIPATIVE};
 pub(crate) use self::accumulator::{TOTAL, kick_term};
@@ -59,7 +60,7 @@ pub use self::component_sync::{collect_from_world, complete_world, plan, publish
 pub(crate) use self::deferred_kick::add_second_kick;
 pub use self::deferred_kick::{
     AfterDeferredKick, DeferredKick, EngineBalance, EngineChecks, KickAppliedAtEnd, SecondKicks, after_kicks,
-    reads_velocities_when,
+    apply_pending_kick, reads_velocities_when,
 };
 pub use self::foreign_code::path_in_siloflow;
 pub(crate) use self::longest_move::LongestMove;

@@ -5,8 +5,6 @@
 use serde::Deserialize;
 use siloflow::prelude::*;
 
-use crate::drag::slow_down;
-
 /// The scene's `behaviours: {"attraction": (force: ...)}`.
 #[derive(Resource, Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -25,18 +23,8 @@ impl Behaviour for Attraction {
     }
 
     fn build(self: Box<Self>, app: &mut App) {
-        let space = Dimension::of_world(app.world());
         app.insert_resource(*self);
-        // Both systems write forces. Their order is the order of the sum, so it must be defined for scenes with both
-        // behaviours.
-        match space {
-            Dimension::Plane => {
-                app.add_systems(Step, attract::<Plane>.in_set(ForceStage::Added).after(slow_down::<Plane>))
-            }
-            Dimension::Solid => {
-                app.add_systems(Step, attract::<Solid>.in_set(ForceStage::Added).after(slow_down::<Solid>))
-            }
-        };
+        in_space!(app, V => app.add_systems(Step, attract::<V>.in_set(ForceStage::Added)));
     }
 }
 

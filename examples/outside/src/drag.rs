@@ -16,10 +16,8 @@ pub struct AirDrag {
     quadratic: f64,
 }
 
-pub fn slow_down<V: Space>(air: Res<AirDrag>, mut grains: Query<(&Velocity<V>, &mut Force<V>), With<Grain>>) {
-    for (velocity, mut force) in &mut grains {
-        force.0 += velocity.0 * -(air.linear + air.quadratic * velocity.0.length());
-    }
+fn slow_down<V: Space>(air: Res<AirDrag>, mut grains: AddForce<V, &'static Velocity<V>>) {
+    grains.each(|velocity| velocity.0 * -(air.linear + air.quadratic * velocity.0.length()));
 }
 
 impl Behaviour for AirDrag {
@@ -28,12 +26,8 @@ impl Behaviour for AirDrag {
     }
 
     fn build(self: Box<Self>, app: &mut App) {
-        let space = Dimension::of_world(app.world());
         app.insert_resource(*self);
-        match space {
-            Dimension::Plane => app.add_systems(Step, slow_down::<Plane>.in_set(ForceStage::Added)),
-            Dimension::Solid => app.add_systems(Step, slow_down::<Solid>.in_set(ForceStage::Added)),
-        };
+        in_space!(app, V => app.add_systems(Step, slow_down::<V>.in_set(ForceStage::Added)));
     }
 }
 

@@ -1,5 +1,6 @@
-//! Behaviours in a crate outside siloflow: air drag, heat conduction at contacts, a cohesive contact law, bonds that remember, and an
-//! attraction in addition to any contact law. Each has its own file, with a test against a closed form.
+//! Behaviours in a crate outside siloflow: air drag, heat conduction at contacts, a cohesive contact law, bonds that remember, an
+//! attraction in addition to any contact law, grains that break, a feeder that follows the level, and a magnet. Each has its own file. Tests compare
+//! them with closed forms; `mill.rs` tests those that make and unmake grains.
 //!
 //! ```text
 //! cargo run --release --manifest-path examples/outside/Cargo.toml -- run examples/outside/scenes/outside.ron
@@ -8,8 +9,13 @@
 
 mod attraction;
 mod bond;
+mod breakage;
 mod cohesion;
 mod drag;
+mod level_feeder;
+mod magnet;
+#[cfg(test)]
+mod mill;
 mod temperature;
 
 use std::process::ExitCode;
@@ -23,7 +29,10 @@ fn registry() -> Registry {
         .register::<temperature::Conduction>("conduction")
         .register::<cohesion::Cohesion>("cohesion")
         .register::<bond::Bond>("bond")
-        .register::<attraction::Attraction>("attraction");
+        .register::<attraction::Attraction>("attraction")
+        .register::<breakage::Breakage>("breakage")
+        .register::<level_feeder::LevelFeeder>("level_feeder")
+        .register::<magnet::Magnet>("magnet");
     registry
 }
 

@@ -133,10 +133,7 @@ impl Behaviour for Conduction {
                 record_difference.in_set(ObserveStage::Measure).run_if(due::<Differences>),
             ),
         );
-        match Dimension::of_world(app.world()) {
-            Dimension::Plane => app.add_systems(Step, conduct::<Plane>.in_set(Phase::Kick)),
-            Dimension::Solid => app.add_systems(Step, conduct::<Solid>.in_set(Phase::Kick)),
-        };
+        in_space!(app, V => app.add_systems(Step, conduct::<V>.in_set(Phase::Kick)));
     }
 }
 

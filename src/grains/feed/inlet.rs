@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Feed, FeedFigure, Rate};
+use crate::grains::free_id::FreeId;
 use crate::grains::mass::MassLaw;
 use crate::grains::shaped::Posture;
 use crate::grains::sizes::{GrainSize, are_quotas};
@@ -155,17 +156,16 @@ impl<V: Space> Inlet<V> {
     }
 
     /// Draws the next grain, if none is waiting. Returns false if there are no ids left.
-    pub(super) fn draw(&mut self, next_id: &mut u32) -> bool {
+    pub(super) fn draw(&mut self, ids: &mut FreeId) -> bool {
         if self.next.is_none() {
-            let Some(id) = GrainId::grain(*next_id) else { return false };
+            let Some(id) = ids.take() else { return false };
             if self.quotas.iter().all(|&quota| quota == 0) {
                 self.quotas = self.config.radius.quotas(BLOCK);
             }
-            let [u] = self.sizes.uniform(u64::from(*next_id));
+            let [u] = self.sizes.uniform(u64::from(id.number()));
             let GrainSize { radius, species: Species(size) } = self.config.radius.choose(u, &mut self.quotas);
             let species = Species(self.config.species.saturating_add(size));
             self.next = Some(Candidate { id, radius, species, tries: 0, waits_since: None });
-            *next_id += 1;
         }
         true
     }

@@ -12,6 +12,7 @@ use crate::door::DoorState;
 use crate::ending::regular::EmptyTime;
 use crate::ending::stop::avalanches::{Avalanche, Avalanches};
 use crate::energy::{Channels, EnergyFlows};
+use crate::grain_requests::{self, RequestFigures};
 use crate::grains::feed::FeedFigures;
 use crate::grains::spawner::ReleaseDelays;
 use crate::ledger::{Ledger, LossRecord};
@@ -80,6 +81,9 @@ pub struct GrainResults {
     /// Values that behaviours register, by behaviour and name. The key is absent without one.
     #[serde(skip_serializing_if = "Values::is_empty")]
     pub behaviours: Values,
+    /// What requests of behaviours have made, removed and changed, by reason. The key is absent without one.
+    #[serde(skip_serializing_if = "RequestFigures::is_empty")]
+    pub requests: RequestFigures,
     /// Contact law.
     pub contact: Contact,
     /// Cost of the run.
@@ -96,7 +100,7 @@ pub struct GrainResults {
     pub losses: Vec<LossRecord>,
 }
 
-/// Grain accounting: released = inside + out + lost.
+/// Grain accounting: released = inside + out + lost + removed.
 #[derive(Debug, Serialize)]
 pub struct Grains {
     /// Grains that entered.
@@ -111,6 +115,9 @@ pub struct Grains {
     pub out_kg: f64,
     /// Grains that left in any other way.
     pub lost: u32,
+    /// Grains that requests of behaviours have removed. The key is absent if there were no requests.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub removed: Option<u32>,
 }
 
 /// A clog.
@@ -232,6 +239,7 @@ impl GrainResults {
         let totals = totals::of_world(world);
         let state_hash = format!("{:016x}", state_hash::of_world(world));
         let behaviours = outputs::summary_values(world);
+        let requests = grain_requests::figures(world);
         let ledger = world.resource::<Ledger>();
         let flows = world.get_resource::<EnergyFlows>().copied();
         Self {
@@ -243,6 +251,7 @@ impl GrainResults {
                 out: ledger.out(),
                 out_kg: ledger.departures.mass(),
                 lost: ledger.lost(),
+                removed: (!requests.is_empty()).then_some(ledger.removed),
             },
             stop: stop_in_words(loaded, end),
             avalanches: world.get_resource::<Avalanches>().map(|avalanches| avalanches.all.clone()),
@@ -272,6 +281,7 @@ impl GrainResults {
                 balance_error: flows.map(|flows| totals.energy() - flows.expected()),
             },
             behaviours,
+            requests,
             contact: loaded.scene.contact,
             performance: Performance {
                 wall_s: cost.wall_s,

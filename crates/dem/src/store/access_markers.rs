@@ -11,6 +11,10 @@ pub(crate) struct ReadsPlaces;
 #[derive(Resource, Default)]
 pub(crate) struct ReadsMotion;
 
+/// Marker resource of systems that add forces or torques and never set them ([`added_loads`](crate::added_loads)).
+#[derive(Resource, Default)]
+pub struct AddsLoads;
+
 /// Systems with commands that add no observer and no component with hooks. A scene with only these systems needs no
 /// check for observers and hooks.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]

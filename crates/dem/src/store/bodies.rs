@@ -295,9 +295,21 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
+    /// Returns the angular momentum (kg m^2/s) of row `i` about its centre; zero for a row that does not spin.
+    #[must_use]
+    pub fn angular_momentum(&self, i: usize) -> V::Spin {
+        match (self.body_of_row(i), self.rotation.get(i)) {
+            (Some(body), _) => self.bodies.momentum[body.index()],
+            (None, Some(rotation)) if rotation.inverse_inertia > 0.0 => {
+                rotation.spin * (1.0 / rotation.inverse_inertia)
+            }
+            _ => V::Spin::ZERO,
+        }
+    }
+
     /// Returns the gain of spin (rad/s) of row `i` by an angular impulse, N m s.
     #[must_use]
-    pub(crate) fn spin_gain(&self, i: usize, impulse: V::Spin) -> V::Spin {
+    pub fn spin_gain(&self, i: usize, impulse: V::Spin) -> V::Spin {
         match self.body_of_row(i) {
             Some(body) => self.bodies.rotor[body.index()].spin(impulse, self.bodies.inverse_inertia[body.index()]),
             None => impulse * self.rotation.get(i).map_or(0.0, |rotation| rotation.inverse_inertia),

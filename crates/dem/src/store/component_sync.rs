@@ -18,7 +18,7 @@ use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step};
 use crate::store::ParticleStore;
-use crate::store::access_markers::{ReadsMotion, ReadsPlaces};
+use crate::store::access_markers::{AddsLoads, ReadsMotion, ReadsPlaces};
 use crate::store::deferred_kick::apply_pending_kick;
 use crate::store::foreign_code::ForeignObservers;
 use crate::store::load_components::{AddLoads, add_loads};
@@ -178,6 +178,7 @@ pub(super) fn add<V: Space>(app: &mut App) {
     world.insert_resource(BetweenSteps { add_loads, refresh, write_back, extend, published_at: None });
     world.init_resource::<ReadsPlaces>();
     world.init_resource::<ReadsMotion>();
+    world.init_resource::<AddsLoads>();
     world.init_resource::<PredictableConditions>();
     app.derived::<BetweenSteps>().derived::<Plan>();
 }

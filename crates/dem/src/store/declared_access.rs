@@ -69,7 +69,8 @@ impl PhaseSets {
     pub(super) fn of(graph: &ScheduleGraph) -> Self {
         let key = |set: InternedSystemSet| graph.system_sets.get_key(set);
         let parts = |phase| [Part::Engine(phase), Part::Refresh(phase), Part::WriteBack(phase)];
-        let parts = Phase::ALL.into_iter().flat_map(parts).chain([Part::Renumber, Part::Sort, Part::End]);
+        let parts =
+            Phase::ALL.into_iter().flat_map(parts).chain([Part::Requests, Part::Renumber, Part::Sort, Part::End]);
         Self {
             phases: Phase::ALL.iter().map(|phase| key(phase.intern())).collect(),
             engine: parts.filter_map(|part| key(part.intern())).collect(),

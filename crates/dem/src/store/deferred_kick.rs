@@ -61,8 +61,8 @@ pub fn reads_velocities_when<M>(app: &mut App, condition: impl SystemCondition<M
     world.get_resource_or_init::<VelocityReaders>().0.push(Box::new(condition));
 }
 
-/// Applies the second kick, if it is pending.
-pub(crate) fn apply_pending_kick(world: &mut World) {
+/// Applies the second kick, if it is pending. Afterwards the store's velocities and spins belong to the step's end.
+pub fn apply_pending_kick(world: &mut World) {
     if world.get_resource_mut::<PendingKick>().is_some_and(|mut kick| std::mem::take(&mut kick.is_pending)) {
         world.run_schedule(DeferredKick);
     }

@@ -11,6 +11,8 @@ use crate::instruction_set::InstructionSet;
 use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::persist::PersistApp as _;
 use crate::space::Space;
+use crate::step::Step;
+use crate::store::adders_in_order::AddersInOrder;
 use crate::store::mirror_set::MirrorSet;
 use crate::store::{ParticleStore, component_sync, deferred_kick, population, renumbering, saved};
 
@@ -49,5 +51,8 @@ impl<V: Space> Plugin for StorePlugin<V> {
         renumbering::add::<V>(app);
         component_sync::add::<V>(app);
         deferred_kick::add(app);
+        app.edit_schedule(Step, |schedule| {
+            schedule.add_build_pass(AddersInOrder);
+        });
     }
 }

@@ -97,7 +97,7 @@ impl<'a, V: Space> Survey<'a, V> {
 
     /// Like [`Self::contacts`], for contacts that `accepts` returns true for. The geometry of other contacts between
     /// particles is not computed. At seams, a contact with a wall depends on the other walls.
-    fn contacts_among(
+    pub fn contacts_among(
         &self,
         accepts: impl Fn(usize, Partner) -> bool,
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory),

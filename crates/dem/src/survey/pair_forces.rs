@@ -27,6 +27,7 @@ use bevy_ecs::system::SystemParam;
 
 use crate::particle::{Force, Slot};
 use crate::space::{Plane, Space};
+use crate::store::AddsLoads;
 use crate::survey::touching::Touching;
 use crate::survey::view::ContactView;
 
@@ -36,6 +37,7 @@ pub struct PairForces<'w, 's, V: Space = Plane> {
     contacts: ContactView<'w, V>,
     forces: Query<'w, 's, (&'static Slot, &'static mut Force<V>)>,
     sums: Local<'s, Vec<V>>,
+    _adds: Res<'w, AddsLoads>,
 }
 
 impl<V: Space> PairForces<'_, '_, V> {
@@ -43,7 +45,7 @@ impl<V: Space> PairForces<'_, '_, V> {
     /// partner. A wall takes no part of it. Contacts are visited in the order of the store, so the sums are the same on
     /// every machine.
     pub fn add(&mut self, mut on_first: impl FnMut(&Touching<'_, V>) -> V) {
-        let Self { contacts, forces, sums } = self;
+        let Self { contacts, forces, sums, .. } = self;
         sums.clear();
         sums.resize(contacts.rows(), V::ZERO);
         contacts.iter().for_each(|contact| {
