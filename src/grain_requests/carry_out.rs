@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::grain_requests::Waiting;
-use crate::grain_requests::booking::{Present, book_after, book_before, book_resized};
-use crate::grain_requests::overlaps::NewOverlaps;
+use crate::grain_requests::booking::{Present, book_after, book_before};
+use crate::grain_requests::contacts::find_neighbours;
 use crate::grain_requests::request::{GrainMade, sort};
 use crate::grain_requests::resolve::{Change, Coming, Moved, Plan, Resolver, Rules, inertia_ratio};
 use crate::grains::free_id::FreeId;
@@ -40,7 +40,6 @@ pub(super) fn carry_out<V: Space>(world: &mut World) {
         }
     };
     book_before(world, &plan);
-    book_resized(world, &plan.changes);
     let Plan { leaving, changes, coming, .. } = plan;
     for one in leaving {
         world.resource_mut::<Ledger>().remove(one.id, one.is_gone);
@@ -49,8 +48,7 @@ pub(super) fn carry_out<V: Space>(world: &mut World) {
     let mut present: FxHashMap<GrainId, Present> = FxHashMap::default();
     let mut moves = Vec::new();
     for change in changes {
-        present
-            .insert(change.id, Present { reason: change.reason.clone(), is_new: false, moves: change.moved.is_some() });
+        present.insert(change.id, Present { reason: change.reason.clone(), is_new: false });
         resize(world, &change);
         moves.extend(change.moved.map(|moved| (change.entity, moved)));
     }
@@ -60,7 +58,7 @@ pub(super) fn carry_out<V: Space>(world: &mut World) {
             world.resource_mut::<Outcome>().fail(Failure::Behaviour(text));
             return;
         };
-        present.insert(id, Present { reason: one.reason.clone(), is_new: true, moves: true });
+        present.insert(id, Present { reason: one.reason.clone(), is_new: true });
         spawn(world, id, one);
     }
     world.run_schedule(Renumber);
@@ -68,9 +66,8 @@ pub(super) fn carry_out<V: Space>(world: &mut World) {
     for (entity, moved) in moves {
         place(world, entity, &moved);
     }
+    find_neighbours::<V>(world);
     book_after::<V>(world, &present);
-    let elsewhere = present.into_iter().filter(|(_, grain)| grain.moves);
-    world.resource_mut::<NewOverlaps>().0 = elsewhere.map(|(id, grain)| (id, grain.reason)).collect();
 }
 
 /// Gives a grain another radius and mass.

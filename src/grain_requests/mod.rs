@@ -48,7 +48,8 @@
 //!
 //! # Limits
 //!
-//! * The elastic energy of new overlaps is measured after the first force pass, a step later than the overlaps arise. Their force acts from there on.
+//! * The force of a new overlap acts from the first force pass on, so it misses half a step: a split or merger under load leaves an error of the energy balance of
+//!   the order of the step. Growth leaves none.
 //! * A piece has by default the velocity of its place in the turning grain and its spin. Momentum is kept exactly; the part of the angular momentum
 //!   that the radii do not hold is not.
 //! * A merged grain of several spheres keeps its shape and orientation.
@@ -56,7 +57,7 @@
 mod accounts;
 mod booking;
 mod carry_out;
-mod overlaps;
+mod contacts;
 mod plugin;
 mod request;
 mod resolve;
