@@ -104,6 +104,14 @@ fn reorder_states<V: Space>(
     states.checked_positions = (0..store.len()).map(position).collect();
 }
 
+/// Forgets the ways of all grains: their present places are inside. For a caller that has put them there.
+pub(crate) fn forget_ways<V: Space>(world: &mut World) {
+    let Some(mut states) = world.get_resource_mut::<GrainStates<V>>() else { return };
+    for state in states.states.iter_mut().filter(|state| **state == GrainState::Inside) {
+        *state = GrainState::New;
+    }
+}
+
 /// Lines and faces that a grain leaves through or passes when it is lost.
 #[derive(SystemParam)]
 struct Boundaries<'w, V: Space> {

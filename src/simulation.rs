@@ -1,9 +1,13 @@
 //! A simulation: an app built from a scene (`build`, `particles`), and the loop that steps it (`stepping`). [`evaluate`] is a whole run as
-//! one function call.
+//! one function call. Between two steps a caller may give grains other numbers ([`assign`]), push them ([`push`]), and save the state in a file
+//! (`state_file`).
 
+pub mod assign;
 mod build;
 pub mod evaluate;
 mod particles;
+pub mod push;
+mod state_file;
 mod stepping;
 
 use std::num::NonZeroUsize;
@@ -34,9 +38,9 @@ use siloflow_dem::store;
 use siloflow_files::run_directory::RunDirectory;
 use siloflow_text::fault::Fault;
 
-/// A run in progress.
+/// A run in progress. It may pass from thread to thread.
 pub struct Simulation {
-    app: App,
+    world: World,
 }
 
 /// Plugins that a caller adds. Boxed, because a generic parameter would compile the whole engine again for each calling
@@ -138,7 +142,7 @@ impl Simulation {
 
     /// The cost of a run of the command line.
     pub(crate) fn cost_mut(&mut self) -> Mut<'_, RunCost> {
-        self.app.world_mut().resource_mut::<RunCost>()
+        self.world.resource_mut::<RunCost>()
     }
 
     /// Like [`Simulation::restored`], for the lattice gas.
@@ -156,12 +160,12 @@ impl Simulation {
 
     /// Takes checkpoints from now on.
     pub(crate) fn take_checkpoints(&mut self, checkpoints: Checkpoints) {
-        self.app.insert_resource(checkpoints);
+        self.world.insert_resource(checkpoints);
     }
 
     /// Returns the state that behaviours write and that no checkpoint would save, as text, with the call that saves it; `None` if there is none.
     pub(crate) fn unsaved_state(&mut self) -> Option<String> {
-        let found = persist::unregistered(self.app.world_mut());
+        let found = persist::unregistered(&mut self.world);
         let words = found.into_iter().map(|(state, Unregistered { writer, is_resource })| {
             let writer = writer.map_or(String::new(), |system| format!(", written by {system}"));
             let call = if is_resource { "persist" } else { "persist_component" };
@@ -214,7 +218,7 @@ impl Simulation {
     /// # Errors
     /// If a picture could not be written.
     pub(crate) fn continue_in(&mut self, directory: &RunDirectory) -> Result<(), Failure> {
-        let world = self.app.world_mut();
+        let world = &mut self.world;
         if let Some(mut run) = world.get_resource_mut::<RunPath>() {
             directory.current().clone_into(&mut run.now);
         }
@@ -231,20 +235,20 @@ impl Simulation {
     /// The world of the app.
     #[must_use]
     pub fn world(&self) -> &World {
-        self.app.world()
+        &self.world
     }
 
     /// The world of the app, for siloflow's own code: components are refreshed, and particles have forces and torques as components only
     /// where a system uses them.
     pub(crate) fn own_world(&mut self) -> &mut World {
-        let world = self.app.world_mut();
+        let world = &mut self.world;
         store::refresh_world(world);
         world
     }
 
     /// The world of the app, to be changed. Changes between steps count from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
-        let world = self.app.world_mut();
+        let world = &mut self.world;
         store::publish_to_world(world);
         world
     }

@@ -48,7 +48,7 @@ pub(super) fn elastic_energies<V: Space>(
 }
 
 /// Brings the neighbour list up to date, so that the contacts of this moment can be found.
-pub(super) fn find_neighbours<V: Space>(world: &mut World) {
+pub(crate) fn find_neighbours<V: Space>(world: &mut World) {
     let updated = world.run_system_once(
         |search: Option<ResMut<Search<V>>>, store: Res<ParticleStore<V>>, clock: Res<Clock>, threads: Res<Threads>| {
             search.map_or(Ok(false), |mut search| search.update(&store, clock.dt, &threads))

@@ -67,6 +67,7 @@ use bevy_ecs::system::SystemParam;
 use serde::{Deserialize, Serialize};
 
 pub use self::accounts::{ReasonFigures, RequestFigures, figures};
+pub(crate) use self::contacts::find_neighbours;
 pub use self::plugin::RequestsPlugin;
 use self::request::Request;
 pub use self::request::{GrainMade, NewGrain, Piece};

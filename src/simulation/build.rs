@@ -91,7 +91,7 @@ impl Simulation {
                     .help(help)
             })
         })?;
-        Ok(Self { app })
+        Ok(Self { world: std::mem::take(app.world_mut()) })
     }
 }
 

@@ -28,7 +28,7 @@ impl Simulation {
     /// Steps until the run ends or `each` returns false. `each` receives the world after every step, with components
     /// that may be out of date.
     fn advance_while(&mut self, mut each: impl FnMut(&mut World) -> bool + Send) -> Option<End> {
-        Threads::run(self.app.world_mut(), |world| {
+        Threads::run(&mut self.world, |world| {
             loop {
                 let end = advance(world);
                 if !each(world) || end.is_some() {
@@ -41,7 +41,7 @@ impl Simulation {
     /// Ends the run with [`End::Interrupted`] once `flag` holds a number other than zero. The flag is read before each step
     /// after step zero, and that step is then the last one. Signal handlers and other threads may set it.
     pub fn stop_on(&mut self, flag: Arc<AtomicUsize>) {
-        self.app.world_mut().resource_mut::<StopRequest>().watch(flag);
+        self.world.resource_mut::<StopRequest>().watch(flag);
     }
 
     /// Runs step zero, if no step has run yet. Returns the end of the run, if it has ended.
@@ -67,7 +67,7 @@ impl Simulation {
 
     /// Refreshes all components, for a caller from outside.
     fn refresh(&mut self) {
-        store::complete_world(self.app.world_mut());
+        store::complete_world(&mut self.world);
     }
 
     /// Steps until the run ends.

@@ -17,6 +17,7 @@ mod accuracy;
 mod architecture;
 mod behaviour_outputs;
 mod behaviours;
+mod callers;
 mod checkpoints;
 mod checks;
 mod command_line;

@@ -23,6 +23,11 @@ impl Found {
         &self.packed.header
     }
 
+    /// The checkpoint, unread.
+    pub(crate) fn into_packed(self) -> Packed {
+        self.packed
+    }
+
     /// Reads its state, as far as `scene` can need it.
     ///
     /// # Errors
