@@ -19,11 +19,15 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from os import cpu_count
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 import siloflow
+
+Array: TypeAlias = npt.NDArray[np.float64]
 
 SCENE = Path(__file__).parent / "silo.ron"
 OUT = Path("out/calibration")
@@ -32,7 +36,7 @@ POINTS, SEEDS = 40, (1, 2, 3, 4)
 TRUTH, REPEATS = (0.45, 0.15), (101, 102, 103, 104, 105)
 
 
-def discharge(mu: float, mu_r: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def discharge(mu: float, mu_r: float, seed: int) -> tuple[Array, Array]:
     """Runs the silo. Returns the times since the outlet opened (s) and the mass out (kg)."""
     name = OUT / f"{mu:.6f}-{mu_r:.6f}-{seed}"
     run = siloflow.run(SCENE, name, force=True, seed=seed, settings={"parameters.mu": mu, "parameters.mu_r": mu_r})
@@ -41,20 +45,20 @@ def discharge(mu: float, mu_r: float, seed: int) -> tuple[np.ndarray, np.ndarray
     return since, series["out_kg"].to_numpy()
 
 
-def curves_at(points: np.ndarray, seeds: tuple[int, ...], times: np.ndarray) -> np.ndarray:
+def curves_at(points: Array, seeds: tuple[int, ...], times: Array) -> Array:
     """Returns the curve of each seed at each point. Runs use all cores, one for each run."""
     with ThreadPoolExecutor(cpu_count()) as pool:
-        runs = [[pool.submit(discharge, *point, seed) for seed in seeds] for point in points]
+        runs = [[pool.submit(discharge, float(mu), float(mu_r), seed) for seed in seeds] for mu, mu_r in points]
         return np.array([[np.interp(times, *run.result()) for run in row] for row in runs])
 
 
-def latin_hypercube(count: int) -> np.ndarray:
+def latin_hypercube(count: int) -> Array:
     random = np.random.default_rng(1)
     strata = np.array([random.permutation(count) for _ in LOW]).T
-    return LOW + (HIGH - LOW) * (strata + random.random(strata.shape)) / count
+    return np.asarray(LOW + (HIGH - LOW) * (strata + random.random(strata.shape)) / count)
 
 
-def terms(points: np.ndarray) -> np.ndarray:
+def terms(points: Array) -> Array:
     x, y = np.sqrt(np.atleast_2d(points)).T
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
 

@@ -1,6 +1,7 @@
 //! The compiled module `siloflow._siloflow`: the command line, a stepped simulation, and the frames of a run. Columns of numbers are
 //! passed as bytes; the Python part of the package makes NumPy arrays of them.
 
+mod columns;
 mod frames;
 mod simulation;
 
@@ -22,17 +23,31 @@ fn command_line(py: Python<'_>, arguments: Vec<OsString>, program: Option<PathBu
     py.detach(|| siloflow::cli::status_of(&Registry::default(), arguments))
 }
 
-/// A column as (type of its numbers, numbers of a row, bytes).
+/// A column: type of its numbers, numbers of a row, bytes.
+type Column<'py> = (&'static str, u8, Bound<'py, PyBytes>);
+
+/// Makes a column of numbers.
+fn column<'py, T: Copy, const N: usize>(
+    py: Python<'py>,
+    dtype: &'static str,
+    components: u8,
+    values: &[T],
+    bytes_of: impl Fn(T) -> [u8; N],
+) -> Column<'py> {
+    let bytes: Vec<u8> = values.iter().copied().flat_map(bytes_of).collect();
+    (dtype, components, PyBytes::new(py, &bytes))
+}
+
+/// Adds a column to a table.
 fn set_column<T: Copy, const N: usize>(
     columns: &Bound<'_, PyDict>,
     name: &str,
-    dtype: &str,
+    dtype: &'static str,
     components: u8,
     values: &[T],
     bytes_of: impl Fn(T) -> [u8; N],
 ) -> PyResult<()> {
-    let bytes: Vec<u8> = values.iter().copied().flat_map(bytes_of).collect();
-    columns.set_item(name, (dtype, components, PyBytes::new(columns.py(), &bytes)))
+    columns.set_item(name, column(columns.py(), dtype, components, values, bytes_of))
 }
 
 #[pymodule]

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -14,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 import siloflow
-from siloflow._settings import settings
+from siloflow._ron import settings
 
 # Four elastic discs fall 1 m onto a floor.
 SCENE = """(
@@ -137,6 +138,195 @@ class Simulations(InADirectory):
         Path("wrong.ron").write_text(SCENE.replace("0.04", "-0.04"), encoding="utf-8")
         with self.assertRaisesRegex(siloflow.SceneError, r"wrong.ron:8:\d+: .*(?s:.*)help: "):
             siloflow.Simulation("wrong.ron")
+
+
+# A heap of discs with friction between two walls, under a named lid that nothing touches.
+HEAP = {
+    "title": "a heap",
+    "seed": 2,
+    "gravity": (0.0, -9.81),
+    "parameters": {"mu": 0.5},
+    "mass": "Disc(100.0)",
+    "step": "Fixed(1.0e-4)",
+    "until": 0.4,
+    "contact": siloflow.variant(
+        "Linear", k=1e5, damping="Restitution(0.5)", tangential=siloflow.variant("Spring", k=1e5, damping="OfNormal(1.0)", friction='"=mu"')
+    ),
+    "walls": [
+        siloflow.variant("HalfPlane", point=(0.0, 0.0), normal=(0.0, 1.0), name="floor"),
+        siloflow.variant("HalfPlane", point=(-0.13, 0.0), normal=(1.0, 0.0)),
+        siloflow.variant("HalfPlane", point=(0.13, 0.0), normal=(-1.0, 0.0)),
+    ],
+    "fill": [{"low": (-0.12, 0.0), "high": (0.12, 0.24), "spacing": 0.08, "jitter": 0.002, "radius": "Fixed(0.038)"}],
+    "fields": [{"grid": siloflow.variant("XY", low=(-0.13, 0.0), high=(0.13, 0.26), cells=(1, 2)), "from": 0.0, "sample": 0.01}],
+}
+
+
+class Guests(InADirectory):
+    """What a program does with a simulation: scenes as values, assignment, pushes, calls, threads, signals, files."""
+
+    def heap(self, **keys):
+        return siloflow.Simulation(HEAP, **keys)
+
+    def test_scenes_are_files_text_and_dictionaries(self):
+        of_file, of_text = siloflow.Simulation("fall.ron"), siloflow.Simulation(SCENE)
+        for simulation in (of_file, of_text):
+            simulation.advance_to(5.0)
+        self.assertEqual(of_file.state_hash(), of_text.state_hash())
+        self.assertEqual(siloflow.run(SCENE, "text").summary["state_hash"], of_text.state_hash())
+        run = siloflow.run(HEAP, "heap", until=0.1)
+        self.assertEqual((run.summary["grains"]["released"], run.summary["parameters"]), (9, {"mu": 0.5}))
+        # Their files are there until the interpreter ends.
+        program = f"import siloflow; siloflow.run({SCENE!r}, 'other')"
+        with tempfile.TemporaryDirectory() as elsewhere:
+            subprocess.run([sys.executable, "-c", program], check=True, cwd=elsewhere)
+            self.assertEqual(sorted(os.listdir(elsewhere)), ["other"])
+        with self.assertRaisesRegex(siloflow.SceneError, "untill: there is no such key(?s:.*)did you mean `until`"):
+            siloflow.Simulation({**HEAP, "untill": 1.0})
+
+    def test_the_state_is_assigned_and_its_energy_is_booked(self):
+        simulation = self.heap()
+        simulation.advance_to(0.25)
+        before, error = simulation.position, simulation.figures["energy"]["balance_error"]
+        with self.assertRaises(ValueError):
+            before[0] = 0.0  # arrays are copies
+        simulation.position = before + [0.0, 0.05]
+        simulation.velocity = 0.0
+        simulation.spin = 2.0
+        np.testing.assert_array_equal(simulation.position, before + [0.0, 0.05])
+        self.assertEqual(abs(simulation.velocity).max(), 0.0)
+        np.testing.assert_array_equal(simulation.spin, 2.0)
+        energy = simulation.totals
+        total = sum(energy[kind] for kind in ("kinetic", "rotational", "potential", "elastic"))
+        self.assertLess(abs(simulation.figures["energy"]["balance_error"] - error), 1e-12 * total)
+        for wrong in (np.zeros((3, 2)), np.full((9, 2), np.nan)):
+            with self.assertRaises(ValueError):
+                simulation.velocity = wrong
+        simulation.advance_to(1.0)
+        self.assertEqual(simulation.status, "time_reached")
+
+    def test_pushes_act_in_the_next_advance_alone(self):
+        simulation = siloflow.Simulation("fall.ron")
+        weight = simulation.mass[:, None] * [0.0, 9.81]
+        simulation.add_force(weight)
+        simulation.advance(100)
+        slow = simulation.velocity[:, 1]
+        # The kick of the first half step is by the weight alone.
+        np.testing.assert_allclose(slow, -9.81 * 0.5e-4, rtol=1e-9)
+        simulation.advance(100)
+        np.testing.assert_allclose(simulation.velocity[:, 1] - slow, -9.81 * 0.995e-2, rtol=1e-9)
+        with self.assertRaises(ValueError):
+            simulation.add_force(np.inf)
+
+    def test_calls_come_at_their_steps(self):
+        simulation = siloflow.Simulation("fall.ron")
+        seen = []
+        call = simulation.every(30, lambda now: seen.append((now.steps, now.time)))
+        simulation.advance(100)
+        self.assertEqual([steps for steps, _ in seen], [30, 60, 90])
+        simulation.forget(call)
+        simulation.advance_to(9.0, progress=True)
+        self.assertEqual((len(seen), simulation.status), (3, "time_reached"))
+
+    def test_contacts_walls_fields_and_figures_are_those_of_the_state(self):
+        simulation = self.heap()
+        simulation.advance_to(0.4)
+        contacts, walls, cells = simulation.contacts, simulation.walls, simulation.field()
+        on_floor = contacts[(contacts.partner_kind == 2) & (contacts.partner == 1)]
+        self.assertEqual(list(walls.name), ["floor", None, None])
+        # The force on the floor is the sum over its contacts, whose drag has the velocities of the step's end and not those of the force pass.
+        self.assertAlmostEqual(-walls.force_y[0] / on_floor.normal_force.sum(), 1.0, delta=1e-3)
+        self.assertEqual(len(simulation.frame()), 9)
+        self.assertEqual(set(simulation.grains), {"id", "species", "radius", "mass", "position", "velocity", "force", "spin"})
+        with self.assertRaisesRegex(KeyError, "orientation"):
+            simulation.orientation
+        # All grains are in the two cells of 0.26 m x 0.13 m.
+        self.assertAlmostEqual((cells.density * 0.26 * 0.13).sum() / simulation.mass.sum(), 1.0, delta=1e-12)
+        with self.assertRaises(IndexError):
+            simulation.field(1)
+        figures = simulation.figures
+        self.assertEqual((figures["status"], figures["grains"]["inside"]), ("time_reached", 9))
+        self.assertEqual(figures["state_hash"], simulation.state_hash())
+        self.assertIn("<svg", simulation._repr_html_())
+
+    def test_a_saved_state_continues_to_the_same_bits(self):
+        whole, part = self.heap(), self.heap()
+        whole.advance_to(1.0)
+        part.advance_to(0.1234)
+        part.save("state")
+        rest = self.heap(state="state")
+        self.assertEqual((rest.steps, rest.state_hash()), (1234, part.state_hash()))
+        rest.advance_to(1.0)
+        self.assertEqual(rest.state_hash(), whole.state_hash())
+        siloflow.run(HEAP, "heap")
+        self.assertEqual(self.heap(state="heap").state_hash(), whole.state_hash())
+        for wrong in ("missing", "heap/scene.ron"):
+            with self.assertRaises(siloflow.SceneError):
+                self.heap(state=wrong)
+        with self.assertRaises(OSError):
+            part.save("missing/state")
+
+    def test_other_threads_run_and_use_in_two_threads_at_once_is_an_exception(self):
+        simulation = self.heap(until=1e6)
+        errors, turns = [], []
+        done = threading.Event()
+
+        def other():
+            while not done.is_set():
+                turns.append(time.monotonic())
+                try:
+                    simulation.advance(1)
+                except RuntimeError as error:
+                    errors.append(error)
+                time.sleep(0.01)
+
+        thread = threading.Thread(target=other)
+        thread.start()
+        while not errors:
+            try:
+                simulation.advance(10_000)
+            except RuntimeError as error:
+                errors.append(error)
+        done.set()
+        thread.join()
+        # A thread that waits for the lock of Python gets it while the engine steps.
+        self.assertLess(max(np.diff(turns), default=0.0), 1.0)
+        simulation.advance(10)
+
+    def test_an_interrupt_arrives_while_the_engine_steps(self):
+        program = "import siloflow, sys; s = siloflow.Simulation('fall.ron', until=1e6); print('go', flush=True); s.advance(10**12)"
+        child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(child.stdout.readline(), b"go\n")
+        time.sleep(0.5)
+        start = time.monotonic()
+        child.send_signal(signal.SIGINT)
+        _, message = child.communicate()
+        self.assertLess(time.monotonic() - start, 5.0)
+        self.assertIn(b"KeyboardInterrupt", message)
+
+
+class Studies(InADirectory):
+    def test_a_run_is_shown_and_plotted(self):
+        run = siloflow.run("fall.ron")
+        self.assertIn("<svg", run.plot("energy")._repr_svg_())
+        self.assertIn("<iframe srcdoc=", run._repr_html_())
+        run.show().save("page.html")
+        self.assertTrue(Path("page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>"))
+        with self.assertRaises(siloflow.SceneError):
+            run.plot("nonsense")
+
+    def test_a_sweep_is_a_table_and_an_estimate_has_an_interval(self):
+        plan = '(scene: "fall.ron", axes: [Values(key: "until", values: [0.1, 0.2])], seeds: 2, figures: ["time_s"])'
+        Path("plan.ron").write_text(plan, encoding="utf-8")
+        np.testing.assert_allclose(siloflow.sweep("plan.ron")["mean"], [0.1, 0.2])
+        found = siloflow.estimate("fall.ron", "grains.released", within="5%", budget="1min")
+        self.assertIsNotNone(found.value)
+        self.assertIn("grains.released", str(found))
+        # A scene that is no file is continued too.
+        first, again = (siloflow.estimate(SCENE, "grains.released", within="5%", out="again") for _ in range(2))
+        self.assertEqual(first.value, again.value)
+        with self.assertRaises(siloflow.SceneError):
+            siloflow.estimate("missing.ron", "grains.released", within="5%")
 
 
 class Settings(unittest.TestCase):

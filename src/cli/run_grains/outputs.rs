@@ -18,7 +18,6 @@ use crate::output::wall_bands::WallBandsPlugin;
 use crate::output::walls::WallForcesPlugin;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Space;
-use siloflow_dem::walls::config::Wall;
 use siloflow_files::run_directory::{RunDirectory, names};
 use siloflow_text::fault::Fault;
 
@@ -36,7 +35,7 @@ pub(super) struct Outputs<V: Space> {
 impl<V: Space> Outputs<V> {
     /// Creates the files with their headers, or continues them.
     pub(super) fn create(loaded: &Loaded, world: &World, directory: &RunDirectory) -> io::Result<Self> {
-        let names: Vec<_> = loaded.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
+        let names = loaded.wall_names();
         let bands = loaded.wall_bands::<V>();
         let profiles = loaded.profiles();
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::RunSystemOnce as _;
 
 use crate::measure::outputs;
 use crate::measure::{ObserveStage, due, observe_every};
@@ -25,6 +26,7 @@ use crate::writers::run_path::RunPath;
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::space::Space;
 use siloflow_dem::step::Step;
+use siloflow_figures::svg::Picture;
 use siloflow_files::frames::Header;
 use siloflow_results::pictures::draw;
 use siloflow_results::pictures::style::Style;
@@ -70,6 +72,23 @@ impl<V: Space> PicturesPlugin<V> {
         let has_own_columns = is_measured && !is_recorded;
         Ok(Some(Self { pictures, directory, drawing, has_own_columns, space: PhantomData }))
     }
+}
+
+/// Draws the grains of a world as they are, with the scene's `pictures` or, without that key, as its default has them.
+///
+/// # Errors
+/// If grains have no column of the name that the scene gives as their colour.
+pub fn of_world<V: Space>(loaded: &Loaded, world: &mut World) -> Result<Picture, Fault> {
+    let pictures = loaded.scene.pictures.clone().unwrap_or_default();
+    let header = frame_recording::header::<V>(loaded, &DataFrames::default(), world);
+    check_colour(loaded, &pictures.colour, &header)?;
+    let style = self::style::style(loaded, &pictures);
+    let is_measured = matches!(pictures.colour, Colour::Pressure(_) | Colour::Column(..));
+    let content = Content::new(&header, style.network.is_some(), true, is_measured);
+    let frame = world.run_system_once(move |observed: Observed<V>| observed.frame(&content));
+    let frame = frame.map_err(|error| error.to_string()).and_then(|frame| style.check(&frame).map(|()| frame));
+    let frame = frame.map_err(|reason| loaded.fault("picture::colour", "pictures.colour", reason))?;
+    Ok(draw(&header, &frame, &style))
 }
 
 fn check_colour(loaded: &Loaded, colour: &Colour, header: &Header) -> Result<(), Fault> {

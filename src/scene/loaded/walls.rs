@@ -161,7 +161,8 @@ impl Loaded {
     }
 
     /// For each wall of the scene that is a surface, its name: entry `n` is that of the surfaces with the number `n`.
-    pub(crate) fn wall_names(&self) -> Vec<Option<&str>> {
+    #[must_use]
+    pub fn wall_names(&self) -> Vec<Option<&str>> {
         self.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect()
     }
 
