@@ -58,6 +58,8 @@ struct GrainStates<V: Space> {
     checked_at: f64,
     /// The travel of the walls then, m.
     wall_travel: f64,
+    /// The coordinates of free walls then, m or rad.
+    coordinates: Vec<f64>,
 }
 
 /// State of one particle in the grain accounting.
@@ -138,6 +140,7 @@ fn watch_paths<V: Space>(
     let times = [states.checked_at, clock.time()];
     states.checked_at = clock.time();
     states.wall_travel = walls.travel();
+    let coordinates = std::mem::replace(&mut states.coordinates, walls.coordinates());
     let mut longest = 0.0f64;
     let mut lowest = f64::INFINITY;
     let limit_squared = (0.25 * enclosure.smallest_radius).powi(2);
@@ -165,7 +168,7 @@ fn watch_paths<V: Space>(
         // In a periodic scene, the image of the last position that is nearest to the present one.
         let before = here - way;
         let fate = fate(&*enclosure.paths, particles.periodic(), is_open, before, here).or_else(|| {
-            let is_crossed = walls_move && walls.is_moving_wall_crossed(before, here, times);
+            let is_crossed = walls_move && walls.is_moving_wall_crossed(before, here, times, &coordinates);
             is_crossed.then(|| Fate::Lost("through a moving wall".to_owned()))
         });
         let Some(fate) = fate else { continue };

@@ -46,6 +46,7 @@ use siloflow_dem::table_sort::TableSortPlugin;
 use siloflow_dem::walls::config::Wall;
 use siloflow_dem::walls::conveyor::ConveyorPlugin;
 use siloflow_dem::walls::enclosure::Enclosure;
+use siloflow_dem::walls::free::plugin::FreeWallsPlugin;
 use siloflow_dem::walls::leaving::LeavingWallsPlugin;
 use siloflow_dem::walls::moving::MovingWallsPlugin;
 use siloflow_dem::walls::paths::SolidEnclosure;
@@ -201,9 +202,14 @@ fn add_doors_and_motions<V: Space>(app: &mut Assembly, loaded: &Loaded, has_beha
         app.add(key.trim_end_matches("[0]"), DoorPlugin::<V>(controls, space));
     }
     let moves = |(_, _, control): &(u16, String, DoorControl)| matches!(control.how, DoorMotion::Move { .. });
-    if !scene.motions.is_empty() || doors.iter().any(moves) {
+    if !scene.free_walls.is_empty() {
+        app.add("free_walls", FreeWallsPlugin { is_predicted: loaded.is_centred(), space });
+    }
+    if !scene.motions.is_empty() || !scene.free_walls.is_empty() || doors.iter().any(moves) {
         let key = if !scene.motions.is_empty() {
             "motions"
+        } else if !scene.free_walls.is_empty() {
+            "free_walls"
         } else if scene.doors.is_empty() {
             "door"
         } else {
@@ -240,7 +246,8 @@ pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
         return;
     }
     let outline = Enclosure::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
-    let is_bounded = loaded.scene.periodic.is_open() && loaded.scene.motions.is_empty();
+    let walls_stay = loaded.scene.motions.is_empty() && loaded.scene.free_walls.is_empty();
+    let is_bounded = loaded.scene.periodic.is_open() && walls_stay;
     let outline = if is_bounded { outline } else { outline.unbounded() };
     if let Some(orifice) = outline.orifice() {
         app.provide(Orifice(orifice));

@@ -17,7 +17,7 @@ use siloflow_files::columns::{Column, Spaces};
 use crate::grains::file::write as grains;
 use crate::lattice_silo;
 use crate::measure::fields::{Layout, MEANS};
-use crate::output::{fields, flow, losses, profiles, series, summary, wall_bands, walls};
+use crate::output::{fields, flow, free_walls, losses, profiles, series, summary, wall_bands, walls};
 
 const PAGE: &str = "docs/reference/run-directory.md";
 const RENEW: &str = "SILOFLOW_RENEW_TABLES";
@@ -108,6 +108,7 @@ fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("### `state.csv`", [rows(&[grains::COLUMNS, grains::SPINS]), rows(&[grains::SHAPES])].concat()),
         ("### `walls.csv`", rows(&[walls::WALL, walls::LOADS])),
         ("### `wall_groups.csv`", rows(&[walls::GROUP, walls::LOADS])),
+        ("### `free_walls.csv`", rows(&[free_walls::COLUMNS])),
         ("### `wall_bands.csv`", rows(&[wall_bands::COLUMNS])),
         ("### `profiles.csv`", rows(&[profiles::PROFILES, profiles::ORIENTATIONS])),
         ("### `centres.csv`", rows(&[profiles::CENTRES])),

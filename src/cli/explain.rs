@@ -151,6 +151,9 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
     if scene.walls.iter().any(|wall| wall.name().is_some()) {
         text.push_str("\n  the mean forces on walls of one name, as often, in wall_groups.csv");
     }
+    if !scene.free_walls.is_empty() {
+        text.push_str("\n  coordinates, rates and forces of free walls, as often, in free_walls.csv");
+    }
     if !scene.wall_bands.is_empty() {
         text.push_str("\n  pressure and friction on walls by height, in wall_bands.csv");
     }

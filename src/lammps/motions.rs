@@ -54,6 +54,9 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
         let way = leaf.scheduled_way(loaded.step());
         region.shift(place, leaf.velocity().to_array().map(|rate| product(rate, way.as_deref().unwrap_or("0"))));
     }
+    if let Some(place) = loaded.scene.free_walls.iter().position(|free| wall.name() == Some(&free.walls)) {
+        return Err(refused(loaded, &format!("free_walls[{place}]"), "walls that forces move are not written"));
+    }
     let motions = loaded.scene.motions.iter().enumerate();
     for (index, motion) in motions.filter(|(_, motion)| wall.name() == Some(&motion.walls)) {
         let tau = elapsed(motion);

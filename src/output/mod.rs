@@ -5,6 +5,7 @@ pub mod cost;
 pub mod fields;
 pub mod flow;
 pub mod frame_recording;
+pub mod free_walls;
 pub mod losses;
 pub mod outflow;
 pub mod parent;

@@ -52,6 +52,7 @@ use siloflow_dem::space::Dimension;
 use siloflow_dem::spin::InertiaLaw;
 use siloflow_dem::values::{FiniteVector, ImpactError, Positive};
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::free::FreeWall;
 use siloflow_dem::walls::motion::Motion;
 use siloflow_dem::walls::silo_file::Silo;
 
@@ -129,6 +130,9 @@ pub struct Scene {
     /// Moves walls that have names.
     #[serde(default)]
     pub motions: Vec<Motion>,
+    /// Lets forces move walls that have names.
+    #[serde(default)]
+    pub free_walls: Vec<FreeWall>,
     /// Removes grains that have fallen far enough.
     pub cull: Option<Cull>,
     /// Effect of a lost grain on the run.

@@ -26,6 +26,7 @@ mod conservation;
 mod crowd;
 mod fields;
 mod free_fall;
+mod free_walls;
 mod friction;
 mod grazing;
 mod growth;

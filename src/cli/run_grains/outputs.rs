@@ -9,6 +9,7 @@ use crate::assembly::Assembly;
 use crate::output::fields::FieldsPlugin;
 use crate::output::flow::{FlowOfGrains, FlowPlugin};
 use crate::output::frame_recording::FrameDataPlugin;
+use crate::output::free_walls::FreeWallsFilePlugin;
 use crate::output::losses::LossesPlugin;
 use crate::output::outflow::OutflowPlugin;
 use crate::output::pictures::PicturesPlugin;
@@ -25,6 +26,7 @@ use siloflow_text::fault::Fault;
 pub(super) struct Outputs<V: Space> {
     series: SeriesPlugin<V>,
     walls: Option<WallForcesPlugin<V>>,
+    free_walls: Option<FreeWallsFilePlugin<V>>,
     wall_bands: Option<WallBandsPlugin<V>>,
     profiles: Option<ProfilesPlugin<V>>,
     fields: Option<FieldsPlugin<V>>,
@@ -50,6 +52,11 @@ impl<V: Space> Outputs<V> {
                     &directory.rows(names::WALLS),
                     &directory.rows(names::WALL_GROUPS),
                 )?)
+            },
+            free_walls: if loaded.scene.free_walls.is_empty() {
+                None
+            } else {
+                Some(FreeWallsFilePlugin::create(&directory.rows(names::FREE_WALLS))?)
             },
             wall_bands: if bands.is_empty() {
                 None
@@ -83,6 +90,9 @@ impl<V: Space> Outputs<V> {
         app.add("on_loss", LossesPlugin { place: directory.losses(), space: V::DIMENSION });
         if let Some(walls) = self.walls {
             app.add("walls", walls);
+        }
+        if let Some(free_walls) = self.free_walls {
+            app.add("free_walls", free_walls);
         }
         if let Some(bands) = self.wall_bands {
             app.add("wall_bands", bands);

@@ -21,6 +21,7 @@ use crate::measure::discharge::Discharge;
 use crate::measure::outflow::OutflowFigures;
 use crate::measure::outputs::{self, Values};
 use crate::measure::totals;
+use crate::output::free_walls::{self, FreeWallFigures};
 use crate::output::losses::IN_SUMMARY;
 use crate::output::parent::Parent;
 use crate::output::summary::{Cost, Results, Summary};
@@ -76,6 +77,9 @@ pub struct GrainResults {
     pub feed: Option<FeedFigures>,
     /// Delayed releases.
     pub releases: Option<ReleaseDelays>,
+    /// The free walls at the end. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub free_walls: Vec<FreeWallFigures>,
     /// Energy balance, J.
     pub energy: Energy,
     /// Values that behaviours register, by behaviour and name. The key is absent without one.
@@ -271,6 +275,7 @@ impl GrainResults {
             outflow: outflow::figures(world),
             feed: world.get_resource().cloned(),
             releases: world.get_resource().copied(),
+            free_walls: free_walls::figures(world),
             energy: Energy {
                 kinetic: totals.kinetic,
                 rotational: totals.rotational,

@@ -62,6 +62,7 @@ fn can_slide(loaded: &Loaded) -> bool {
     let turns = |wall: &Wall| {
         let mut motions = loaded.scene.motions.iter();
         motions.any(|motion| motion.rotate.is_some() && wall.name() == Some(&motion.walls))
+            || loaded.scene.free_walls.iter().any(|free| wall.name() == Some(&free.walls))
     };
     let normals: Vec<Solid> = loaded.scene.walls.iter().filter(|wall| !turns(wall)).filter_map(half_plane).collect();
     if normals.len() > MOST_HALF_PLANES {

@@ -24,6 +24,7 @@ pub mod crowd;
 mod doors;
 pub mod estimates;
 mod falling;
+mod free_walls;
 mod heights;
 pub mod leaks;
 mod meshes;
@@ -90,6 +91,7 @@ fn examined(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
     sources::examine(loaded, estimates.dt, &mut warnings);
     softness::examine(loaded, &estimates, &mut warnings);
     tunnelling::examine(loaded, &estimates, &mut warnings);
+    free_walls::examine(loaded, &estimates, &mut warnings);
     let way_out = LazyCell::new(|| leaks::way_out(loaded, budget));
     falling::examine(loaded, || way_out.is_some(), &mut warnings);
     output(loaded, &estimates, &mut warnings);

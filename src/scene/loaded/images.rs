@@ -12,6 +12,7 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Solid, Space};
 use siloflow_dem::values::FiniteVector;
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::free::Freedom;
 use siloflow_dem::walls::shapes::Planar;
 use siloflow_dem::walls::surface::Surface;
 use siloflow_dem::walls::surface_wall::SurfaceWall;
@@ -116,6 +117,19 @@ impl Loaded {
                 .as_ref()
                 .map(|turn| [turn.about.padded(), turn.axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero()]);
             return Way { shifts: motion.shifts(self.scene.until.get()), turn };
+        }
+        if let Some(free) = self.scene.free_walls.iter().find(|free| wall.name() == Some(&free.walls)) {
+            let ends = |direction: Solid| free.range().map(|coordinate| direction * coordinate);
+            return match &free.moves {
+                Freedom::Along(direction) => {
+                    let [one, other] = ends(direction.padded().unit_or_zero());
+                    Way { shifts: [one.min(other), one.max(other)], turn: None }
+                }
+                Freedom::About { point, axis } => {
+                    let axis = axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero();
+                    Way { shifts: [Solid::ZERO; 2], turn: Some([point.padded(), axis]) }
+                }
+            };
         }
         let controls = self.scene.door_controls().into_iter();
         let of_door = controls.filter(|(number, ..)| self.scene.door_of(wall) == Some(*number));

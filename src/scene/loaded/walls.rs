@@ -64,7 +64,7 @@ impl Loaded {
     }
 
     fn placed<V: Space>(&self, surfaces: Vec<SurfaceWall<V>>) -> Vec<SurfaceWall<V>> {
-        if self.scene.motions.is_empty() {
+        if self.scene.motions.is_empty() && self.scene.free_walls.is_empty() {
             return surfaces;
         }
         let movers = self.movers_of(&surfaces);
@@ -122,7 +122,11 @@ impl Loaded {
 
     fn without_moving<V: Space>(&self, surfaces: Vec<SurfaceWall<V>>) -> Vec<SurfaceWall<V>> {
         let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
-        let moves = |number: usize| self.scene.motions.iter().any(|motion| walls[number].name() == Some(&motion.walls));
+        let named = |number: usize, name: &String| walls[number].name() == Some(name);
+        let moves = |number: usize| {
+            self.scene.motions.iter().any(|motion| named(number, &motion.walls))
+                || self.scene.free_walls.iter().any(|free| named(number, &free.walls))
+        };
         surfaces.into_iter().filter(|surface| !moves(surface.number)).collect()
     }
 
@@ -137,13 +141,17 @@ impl Loaded {
             let home = home(&|surface| walls[surface.number].name() == Some(&motion.walls));
             Mover::new(home, Drive::Motion(motion.clone()))
         });
+        let free = self.scene.free_walls.iter().map(|free| {
+            let home = home(&|surface| walls[surface.number].name() == Some(&free.walls));
+            Mover::new(home, Drive::free(free.clone()))
+        });
         let leaves = self.scene.door_controls().into_iter().filter_map(|(number, _, control)| {
             let DoorMotion::Move { by, speed } = control.how else { return None };
             let home = home(&|surface| surface.door == Some(number));
             let state = LeafState::default();
             Some(Mover::new(home, Drive::Leaf { door: number, by: by.get(), speed: speed.get(), state }))
         });
-        motions.chain(leaves).collect()
+        motions.chain(free).chain(leaves).collect()
     }
 
     /// The samplers of `wall_bands`.

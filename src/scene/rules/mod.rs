@@ -5,6 +5,7 @@ mod cuts;
 mod directions;
 mod doors;
 mod fields;
+mod free_walls;
 mod grains;
 mod images;
 mod motions;
@@ -44,6 +45,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     spawner(loaded)?;
     feed(loaded)?;
     motions::motions(loaded)?;
+    free_walls::free_walls(loaded)?;
     doors::doors(loaded)?;
     images::images(loaded)?;
     rest(loaded)?;

@@ -16,7 +16,8 @@ pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
             let key = if key.is_empty() { format!("motions[{index}]") } else { format!("motions[{index}].{key}") };
             loaded.fault(code, &key, message).help(help)
         };
-        walls(loaded, motion, &motions[..index]).map_err(fault)?;
+        let before: Vec<_> = motions[..index].iter().map(|other| other.walls.as_str()).collect();
+        movable_walls(loaded, &motion.walls, &before).map_err(fault)?;
         course(loaded, motion).map_err(fault)?;
     }
     Ok(())
@@ -25,16 +26,15 @@ pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
 /// A broken rule: code, key within the motion, message, help.
 type Broken<'a> = (&'static str, &'a str, String, Cow<'a, str>);
 
-/// The walls exist, and nothing else moves them.
-fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Broken<'static>> {
+/// The walls of a name exist, and nothing else moves them; `others` are the names of walls that move by other entries.
+pub(super) fn movable_walls(loaded: &Loaded, name: &String, others: &[&str]) -> Result<(), Broken<'static>> {
     let scene = &loaded.scene;
-    let name = &motion.walls;
     let mut walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
     if walls.clone().next().is_none() {
         let message = format!("no wall has the name {name:?}");
         return Err(("scene::no_such_wall", "walls", message, loaded.help_for_wall(name).into()));
     }
-    let other = if before.iter().any(|other| other.walls == *name) {
+    let other = if others.contains(&name.as_str()) {
         "another motion"
     } else if walls.clone().any(|wall| scene.door_of(wall).is_some()) {
         "a door"

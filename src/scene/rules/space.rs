@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::Dimension;
 use siloflow_dem::values::FiniteVector;
+use siloflow_dem::walls::free::Freedom;
 use siloflow_dem::walls::motion::Course;
 use siloflow_text::fault::Fault;
 
@@ -123,6 +124,14 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
         let about = motion.rotate.as_ref().map(|turn| turn.about);
         let axis = motion.rotate.as_ref().and_then(|turn| turn.axis).filter(|_| scene.space == Dimension::Solid);
         add(key, &[("rotate.about", about), ("rotate.axis", axis)]);
+    }
+    for (index, free) in scene.free_walls.iter().enumerate() {
+        let key = format!("free_walls[{index}].");
+        let (direction, point, axis) = match &free.moves {
+            Freedom::Along(direction) => (Some(*direction), None, None),
+            Freedom::About { point, axis } => (None, Some(*point), axis.filter(|_| scene.space == Dimension::Solid)),
+        };
+        add(key, &[("moves", direction), ("moves.point", point), ("moves.axis", axis), ("centre", free.centre)]);
     }
     for (_, key, control) in scene.door_controls() {
         if let DoorMotion::Move { by, .. } = control.how {

@@ -20,6 +20,7 @@ pub mod conveyor;
 mod disc_links;
 pub mod drawing;
 pub mod enclosure;
+pub mod free;
 pub mod leaving;
 pub mod link;
 pub mod mesh;

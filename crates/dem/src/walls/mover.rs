@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Linear, Space};
+use crate::walls::free::{FreeState, FreeWall, Freedom};
 use crate::walls::motion::{Motion, PoseInTime};
 use crate::walls::pose::Pose;
-use crate::walls::surface_wall::SurfaceWall;
+use crate::walls::surface_wall::{SurfaceWall, WallLoad};
 
 /// Walls that move together.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Mover<V: Space> {
 pub enum Drive<V: Space> {
     /// A motion of the scene.
     Motion(Motion),
+    /// Forces.
+    Free(FreeWall, FreeState),
     /// A door that moves between shut and open.
     Leaf {
         /// Number of the door.
@@ -63,9 +66,18 @@ impl LeafState {
 }
 
 impl<V: Space> Drive<V> {
+    /// A free wall as it is at the start.
+    #[must_use]
+    pub fn free(wall: FreeWall) -> Self {
+        let state = FreeState::new(&wall);
+        Self::Free(wall, state)
+    }
+
     fn at(&self, time: f64) -> PoseInTime<V> {
         match self {
             Self::Motion(motion) => motion.at(time),
+            // Its place does not follow from the time.
+            Self::Free(wall, state) => wall.pose(state.coordinate, state.shown),
             Self::Leaf { by, speed, state, .. } => {
                 let LeafPlace { share, is_under_way } = state.at(time, by.length() / speed);
                 let rate = match (is_under_way, state.opens) {
@@ -95,14 +107,21 @@ impl<V: Space> Mover<V> {
 
     /// Iterates over the surfaces without ends that turn: a point of them far away moves by any distance in a step.
     pub(super) fn endless_that_turn(&self) -> impl Iterator<Item = usize> {
-        let turns = matches!(&self.drive, Drive::Motion(Motion { rotate: Some(_), .. }));
+        let turns = match &self.drive {
+            Drive::Motion(motion) => motion.rotate.is_some(),
+            Drive::Free(wall, _) => matches!(wall.moves, Freedom::About { .. }),
+            Drive::Leaf { .. } => false,
+        };
         let endless = self.home.iter().filter(move |(_, wall)| turns && wall.surface.bounds().is_none());
         endless.map(|(index, _)| *index)
     }
 
     /// Places the surfaces for the time `now`, s. Returns the longest way of one of their points since the time `before`, m.
     pub(super) fn place(&self, all: &mut [SurfaceWall<V>], before: f64, now: f64) -> f64 {
-        let before = self.drive.at(before);
+        let before = match &self.drive {
+            Drive::Free(wall, state) => wall.pose(state.before, 0.0),
+            drive => drive.at(before),
+        };
         let now = self.drive.at(now);
         let turned = (now.pose.angle - before.pose.angle).abs();
         let pivot = now.pose.point(now.pose.about);
@@ -117,6 +136,71 @@ impl<V: Space> Mover<V> {
             wall.spin = home.spin + now.spin;
         }
         longest
+    }
+
+    /// Gives the surfaces the velocities of a free wall at a rate.
+    fn set_rate(&self, all: &mut [SurfaceWall<V>], rate: f64) {
+        let Drive::Free(free, state) = &self.drive else { return };
+        let now = free.pose::<V>(state.coordinate, rate);
+        let pivot = now.pose.point(now.pose.about);
+        for (index, home) in &self.home {
+            let wall = &mut all[*index];
+            wall.velocity = home.velocity + now.velocity + (wall.reference - pivot).turned_by(now.spin);
+            wall.spin = home.spin + now.spin;
+        }
+    }
+
+    /// Moves the coordinate of a free wall by a step of `dt` (s) that ends at `time`, s.
+    pub(super) fn drift_free(&mut self, dt: f64, time: f64, is_predicted: bool) {
+        if let Drive::Free(wall, state) = &mut self.drive {
+            state.drift(wall, dt, time, is_predicted);
+        }
+    }
+
+    /// Moves the rate of a free wall to the end of a step of `dt` (s) by the loads of the grains, without `dt` at the start. Returns the name of a
+    /// wall that is not finite.
+    pub(super) fn kick_free(
+        &mut self,
+        all: &mut [SurfaceWall<V>],
+        loads: &[WallLoad<V>],
+        dt: Option<f64>,
+        time: f64,
+        gravity: V,
+    ) -> Result<(), String> {
+        let Drive::Free(wall, state) = &mut self.drive else { return Ok(()) };
+        let mut force = 0.0;
+        let mut last = None;
+        for (index, _) in &self.home {
+            let surface = &all[*index];
+            // The load of a wall of several surfaces is about the reference point of the first.
+            if last.replace(surface.number) != Some(surface.number) {
+                let load = &loads[surface.number];
+                force += wall.along(load.force, load.torque, surface.reference);
+            }
+        }
+        state.kick(wall, force, dt, time, gravity);
+        let rate = state.rate;
+        if !state.is_finite() {
+            return Err(wall.walls.clone());
+        }
+        self.set_rate(all, rate);
+        Ok(())
+    }
+
+    /// The free wall of this mover, and its state.
+    #[must_use]
+    pub fn free(&self) -> Option<(&FreeWall, &FreeState)> {
+        match &self.drive {
+            Drive::Free(wall, state) => Some((wall, state)),
+            _ => None,
+        }
+    }
+
+    /// Takes over the state of a free wall.
+    pub(super) fn set_free(&mut self, saved: Option<FreeState>) {
+        if let (Drive::Free(_, state), Some(saved)) = (&mut self.drive, saved) {
+            *state = saved;
+        }
     }
 
     /// Moves the leaf of a door towards open or shut from a time on, s. Returns when it arrives, s; `None` if the mover is no leaf of
@@ -134,12 +218,13 @@ impl<V: Space> Mover<V> {
     }
 
     /// Whether the mover is a motion of the scene, and a grain that was at `from` at one time and is at `to` at the other (s) has passed
-    /// through one of its surfaces that are present. The path is straight as seen from the wall.
-    pub(super) fn is_crossed(&self, all: &[SurfaceWall<V>], from: V, to: V, times: [f64; 2]) -> bool {
-        if matches!(self.drive, Drive::Leaf { .. }) {
-            return false;
-        }
-        let [before, now] = times.map(|time| self.drive.at(time).pose);
+    /// through one of its surfaces that are present. The path is straight as seen from the wall. A free wall was at the coordinate `was` then.
+    pub(super) fn is_crossed(&self, all: &[SurfaceWall<V>], from: V, to: V, times: [f64; 2], was: f64) -> bool {
+        let [before, now] = match &self.drive {
+            Drive::Leaf { .. } => return false,
+            Drive::Free(wall, state) => [was, state.coordinate].map(|coordinate| wall.pose(coordinate, 0.0).pose),
+            drive @ Drive::Motion(_) => times.map(|time| drive.at(time).pose),
+        };
         let from = before.origin_of(from);
         let to = now.origin_of(to);
         let present = self.home.iter().filter(|(index, _)| all[*index].is_present);
@@ -150,7 +235,7 @@ impl<V: Space> Mover<V> {
     pub(super) fn leaf(&self) -> Option<LeafState> {
         match self.drive {
             Drive::Leaf { state, .. } => Some(state),
-            Drive::Motion(_) => None,
+            Drive::Motion(_) | Drive::Free(..) => None,
         }
     }
 

@@ -16,6 +16,7 @@ use bevy_ecs::prelude::*;
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Part, Phase, Step};
 use crate::store::AfterDeferredKick;
+use crate::walls::free::{FreeState, FreeWall};
 use crate::walls::mover::Mover;
 use crate::walls::surface_index::SurfaceIndex;
 use crate::walls::surfaces::Surfaces;
@@ -74,9 +75,40 @@ impl<V: Space> Surfaces<V> {
     }
 
     /// Whether a grain that was at `from` at one time and is at `to` at the other (s) has passed through a moving wall that is
-    /// no door. The path is straight as seen from the wall.
-    pub fn is_moving_wall_crossed(&self, from: V, to: V, times: [f64; 2]) -> bool {
-        self.movers.iter().any(|mover| mover.is_crossed(&self.all, from, to, times))
+    /// no door. The path is straight as seen from the wall. `coordinates` are those of free walls at the first time.
+    pub fn is_moving_wall_crossed(&self, from: V, to: V, times: [f64; 2], coordinates: &[f64]) -> bool {
+        let was = |place: usize| coordinates.get(place).copied().unwrap_or(0.0);
+        self.movers.iter().enumerate().any(|(place, mover)| mover.is_crossed(&self.all, from, to, times, was(place)))
+    }
+
+    /// The coordinate of each mover that is a free wall, m or rad, and 0 for others; empty without free walls.
+    #[must_use]
+    pub fn coordinates(&self) -> Vec<f64> {
+        if self.free().next().is_none() {
+            return Vec::new();
+        }
+        self.movers.iter().map(|mover| mover.free().map_or(0.0, |(_, state)| state.coordinate)).collect()
+    }
+
+    /// The free walls with their states.
+    pub fn free(&self) -> impl Iterator<Item = (&FreeWall, &FreeState)> {
+        self.movers.iter().filter_map(Mover::free)
+    }
+
+    /// Moves the coordinates of free walls by a step of `dt` (s) that ends at `time`, s. [`Self::place`] places them.
+    pub(super) fn drift_free(&mut self, dt: f64, time: f64, is_predicted: bool) {
+        for mover in &mut self.movers {
+            mover.drift_free(dt, time, is_predicted);
+        }
+    }
+
+    /// Moves the rates of free walls to the end of a step of `dt` (s) by the loads of the grains, without `dt` at the start.
+    ///
+    /// # Errors
+    /// The name of a wall that is not finite.
+    pub(super) fn kick_free(&mut self, dt: Option<f64>, time: f64, gravity: V) -> Result<(), String> {
+        let Self { all, movers, loads, .. } = self;
+        movers.iter_mut().try_for_each(|mover| mover.kick_free(all, loads, dt, time, gravity))
     }
 }
 

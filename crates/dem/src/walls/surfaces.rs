@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
+use crate::walls::free::FreeState;
 use crate::walls::mover::{LeafState, Mover};
 use crate::walls::shapes::box_around;
 use crate::walls::surface_index::{Candidates, SurfaceIndex};
@@ -51,6 +52,7 @@ pub struct SavedWalls<V: Space> {
     are_present: Vec<bool>,
     loads: Vec<WallLoad<V>>,
     leaves: Vec<Option<LeafState>>,
+    free: Vec<Option<FreeState>>,
     placed_at: f64,
     travel: f64,
 }
@@ -140,6 +142,7 @@ impl<V: Space> Surfaces<V> {
             are_present: self.all.iter().map(|wall| wall.is_present).collect(),
             loads: self.loads.clone(),
             leaves: self.movers.iter().map(Mover::leaf).collect(),
+            free: self.movers.iter().map(|mover| mover.free().map(|(_, state)| *state)).collect(),
             placed_at: self.placed_at,
             travel: self.travel,
         }
@@ -153,12 +156,15 @@ impl<V: Space> Surfaces<V> {
         let sizes = (saved.are_present.len(), saved.loads.len(), saved.leaves.len());
         let have_leaves =
             saved.leaves.iter().zip(&self.movers).all(|(leaf, mover)| leaf.is_some() == mover.leaf().is_some());
-        if sizes != (self.all.len(), self.loads.len(), self.movers.len()) || !have_leaves {
+        let have_free = saved.free.len() == self.movers.len()
+            && saved.free.iter().zip(&self.movers).all(|(free, mover)| free.is_some() == mover.free().is_some());
+        if sizes != (self.all.len(), self.loads.len(), self.movers.len()) || !have_leaves || !have_free {
             return Err("the checkpoint has another number of walls");
         }
         self.all.iter_mut().zip(saved.are_present).for_each(|(wall, is_present)| wall.is_present = is_present);
         self.loads = saved.loads;
         self.movers.iter_mut().zip(saved.leaves).for_each(|(mover, leaf)| mover.set_leaf(leaf));
+        self.movers.iter_mut().zip(saved.free).for_each(|(mover, free)| mover.set_free(free));
         self.place(saved.placed_at);
         self.list_anew();
         self.travel = saved.travel;

@@ -34,6 +34,8 @@ const CHECKPOINT_ENDING: &str = "checkpoint";
 pub const WALLS: &str = "walls.csv";
 /// Forces on all walls of one name.
 pub const WALL_GROUPS: &str = "wall_groups.csv";
+/// Walls that forces move.
+pub const FREE_WALLS: &str = "free_walls.csv";
 /// Pressure and friction on walls by height.
 pub const WALL_BANDS: &str = "wall_bands.csv";
 /// Profiles along an axis.
@@ -57,7 +59,7 @@ pub const HASHES: &str = "hashes.txt";
 /// Ending of what is left of a damaged file; `.damaged-2` and so on if there are several.
 pub const DAMAGED: &str = "damaged";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 17] = [
+const OWN_FILES: [&str; 18] = [
     MOVIE,
     SERIES,
     FRAME_DATA,
@@ -65,6 +67,7 @@ const OWN_FILES: [&str; 17] = [
     "frames.dump",
     WALLS,
     WALL_GROUPS,
+    FREE_WALLS,
     WALL_BANDS,
     PROFILES,
     CENTRES,
