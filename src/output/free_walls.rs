@@ -90,6 +90,8 @@ pub fn figures(world: &World) -> Vec<FreeWallFigures> {
 
 #[derive(Resource)]
 struct FreeWallsFile {
+    /// Number of walls of which a message has told that they met a stop.
+    told: usize,
     rows: Rows,
     columns: Columns<FreeRow>,
 }
@@ -100,7 +102,13 @@ fn write_rows<V: Space>(
     mut file: ResMut<FreeWallsFile>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let FreeWallsFile { rows, columns } = &mut *file;
+    let FreeWallsFile { told, rows, columns } = &mut *file;
+    let stopped: Vec<_> = walls.free().filter(|(_, state)| state.hits > 0).collect();
+    if stopped.len() > *told {
+        let names: Vec<_> = stopped.iter().map(|(wall, _)| wall.walls.as_str()).collect();
+        tracing::warn!("t = {:.3} s: at a stop of `free_walls`, by now: {}", clock.time(), names.join(", "));
+        *told = stopped.len();
+    }
     for (wall, state) in walls.free() {
         let row = FreeRow { time: clock.time(), name: wall.walls.clone(), kinetic: state.kinetic(wall), state: *state };
         rows.append(format_args!("{}\n", columns.cells(&row)), &mut outcome);
@@ -118,7 +126,7 @@ impl<V: Space> FreeWallsFilePlugin<V> {
     pub fn create(place: &OutputPlace) -> std::io::Result<Self> {
         let columns = Columns::of(V::DIMENSION == Dimension::Solid, &[COLUMNS]);
         let rows = Rows::at(place, &columns.header())?;
-        Ok(Self(TakenOnce::new(FreeWallsFile { rows, columns }), std::marker::PhantomData))
+        Ok(Self(TakenOnce::new(FreeWallsFile { told: 0, rows, columns }), std::marker::PhantomData))
     }
 }
 

@@ -948,3 +948,18 @@ fn a_chain_hangs_by_adhesion_below_its_pull_off_force_and_falls_above() {
     // They fall from rest after the contact has opened, which takes some periods.
     assert!(heights[0] > -0.011 && heights[1..].iter().all(|&y| y < -0.1), "{heights:?}");
 }
+
+#[test]
+fn a_lid_that_loses_its_bed_stops() {
+    for (mass, name) in [("8.0", "heavy"), ("0.05", "light")] {
+        let (run, end) = run("lid-loses-bed", &[("free_walls[0].mass", mass)]);
+        assert_eq!(end, End::Empty, "{name}");
+        let ledger = run.world().resource::<Ledger>();
+        assert_eq!((ledger.out(), ledger.lost()), (ledger.released, 0), "{name}");
+        let lid = *run.world().resource::<Surfaces<Plane>>().free().next().unwrap().1;
+        assert_eq!((lid.coordinate, lid.rate, lid.hits), (-0.8, 0.0, 1), "{name}: {lid:?}");
+        let (_, flows, error) = balance(&run);
+        // (w0 dt)^2/6 of the dissipation, with w0^2 = 6 k/m of a small grain in a bed: 6 2e5/0.13 4e-10/6 = 6e-4.
+        assert!(error.abs() < 1e-3 * flows.dissipated, "{name}: {error} of {flows:?}");
+    }
+}
