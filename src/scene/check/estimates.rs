@@ -3,6 +3,7 @@
 use crate::scene::TimeStep;
 use crate::scene::check::automatic;
 use crate::scene::check::bed::{carried_at_the_bottom, impact_speed};
+use crate::scene::check::free_walls::pressed_by_free_walls;
 use crate::scene::check::quantities::Estimates;
 use crate::scene::check::species_pairs::{self, SpeciesPair};
 use crate::scene::loaded::Loaded;
@@ -61,7 +62,9 @@ impl Estimates {
             relaxation,
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
-            static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
+            static_overlap: (carried_at_the_bottom(loaded, radius) + pressed_by_free_walls(loaded, radius))
+                / law.stiffness(&bounce)
+                / radius,
             caught_overlap: heaviest * scene.gravity.padded().length() / law.stiffness(&bounce) / radius,
             stiffness: law.stiffness(&bounce),
             adhesive_overlap: pairs.iter().map(SpeciesPair::adhesive_overlap).fold(0.0, f64::max),

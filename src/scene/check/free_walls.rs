@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Solid};
-use siloflow_dem::values::Positive;
+use siloflow_dem::values::{Finite, Positive};
 use siloflow_dem::walls::config::Wall;
 use siloflow_dem::walls::free::{FreeWall, Freedom};
 use siloflow_text::fault::Warning;
@@ -33,6 +33,20 @@ pub(super) fn examine(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec
             });
         }
     }
+}
+
+/// The largest force (N) of a free wall on one grain, when as many grains as find a place carry its load, its weight, and what its motor can pull.
+pub(super) fn pressed_by_free_walls(loaded: &Loaded, radius: f64) -> f64 {
+    let force = |free: &FreeWall| {
+        let walls = || loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&free.walls));
+        let contacts = walls().map(|wall| contacts(loaded, wall, radius)).fold(1.0, f64::max);
+        let lever = lever(free, walls());
+        let weight = free.mass.filter(|_| free.gravity).map_or(0.0, Positive::get);
+        let weight = weight * loaded.scene.gravity.padded().length();
+        let load = free.load.map_or(0.0, Finite::get).abs() + free.motor.map_or(0.0, |motor| motor.limit.get());
+        (load / lever + weight) / contacts
+    };
+    loaded.scene.free_walls.iter().map(force).fold(0.0, f64::max)
 }
 
 /// How many of the largest grains find a place side by side on a wall; 1 without ends.

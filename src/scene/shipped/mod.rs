@@ -31,7 +31,7 @@ macro_rules! scene {
 }
 
 /// All shipped scenes: silos first, then cases of verification.
-pub const SCENES: [Shipped; 24] = [
+pub const SCENES: [Shipped; 25] = [
     scene!("silo1", "a silo with an insert, 1000 discs: fill, rest, door opens, empty", "../assets/silo1.dat"),
     scene!("silo1-mixture", "the same silo, half of the grains with radius 4 cm, half 3 cm", "../assets/silo1.dat"),
     scene!("silo1-polydisperse", "the same silo, radii from 3 to 5 cm", "../assets/silo1.dat"),
@@ -51,6 +51,7 @@ pub const SCENES: [Shipped; 24] = [
     scene!("bed3d", "a periodic bed of 10,000 frictional spheres"),
     scene!("chute3d", "spheres flow down a rough incline, periodic sides"),
     scene!("couette", "discs sheared between rough walls"),
+    scene!("shear-cell", "a shear cell in the plane: discs between plates with bars, under a loaded lid"),
     scene!("silo2d-lattice", "lattice gas in the outline of silo2d"),
     scene!("mass-flow", "lattice gas in a mass-flow silo"),
     scene!("funnel-flow", "lattice gas in a funnel-flow silo"),
