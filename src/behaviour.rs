@@ -46,12 +46,8 @@
 //!
 //! impl Behaviour for Wind {
 //!     fn build(self: Box<Self>, app: &mut App) {
-//!         let force = self.force;
-//!         let blow = move |mut grains: Query<&mut Force, With<Grain>>| {
-//!             for mut total in &mut grains {
-//!                 total.0.x += force;
-//!             }
-//!         };
+//!         let force = Vector::new(self.force, 0.0);
+//!         let blow = move |mut grains: AddForce| grains.each(|()| force);
 //!         app.add_systems(Step, blow.in_set(ForceStage::Added));
 //!     }
 //! }
@@ -64,16 +60,14 @@
 //! # Both spaces
 //!
 //! Components default to the plane. A behaviour for both spaces has systems that are generic over
-//! [`Space`](siloflow_dem::space::Space). It declares this in [`Behaviour::lives_in`], and looks up the space of the scene in
-//! [`Behaviour::build`]:
+//! [`Space`](siloflow_dem::space::Space). It declares this in [`Behaviour::lives_in`], and adds them with
+//! [`in_space!`](crate::in_space) in [`Behaviour::build`]:
 //!
 //! ```
 //! # use siloflow::prelude::*;
 //! # struct AirDrag;
-//! fn slow_down<V: Space>(mut grains: Query<(&Velocity<V>, &mut Force<V>), With<Grain>>) {
-//!     for (velocity, mut force) in &mut grains {
-//!         force.0 += velocity.0 * -0.1;
-//!     }
+//! fn slow_down<V: Space>(mut grains: AddForce<V, &'static Velocity<V>>) {
+//!     grains.each(|velocity| velocity.0 * -0.1);
 //! }
 //!
 //! impl Behaviour for AirDrag {
@@ -82,10 +76,7 @@
 //!     }
 //!
 //!     fn build(self: Box<Self>, app: &mut App) {
-//!         match Dimension::of_world(app.world()) {
-//!             Dimension::Plane => app.add_systems(Step, slow_down::<Plane>.in_set(ForceStage::Added)),
-//!             Dimension::Solid => app.add_systems(Step, slow_down::<Solid>.in_set(ForceStage::Added)),
-//!         };
+//!         in_space!(app, V => app.add_systems(Step, slow_down::<V>.in_set(ForceStage::Added)));
 //!     }
 //! }
 //! ```
@@ -110,8 +101,15 @@
 //! | keeps a number for each contact | [`PairMap`] |
 //! | replaces the law | [`PairLaw`] with [`ContactPlugin`]; [`Memory`] holds its memory of a contact |
 //!
-//! Systems of several behaviours that write `Force` need a declared order (`.after(...)`), because it is the order of
-//! summation.
+//! # Forces
+//!
+//! [`AddForce`](siloflow_dem::added_loads::AddForce), [`AddTorque`](siloflow_dem::added_loads::AddTorque) and [`PairForces`] add to the sums of forces and
+//! torques. Systems with these parameters need no declared order: they run in the order of their behaviours' names. A system that writes `Force` itself may also
+//! set it, and needs one (`.after(...)`).
+//!
+//! # Grains
+//!
+//! [`grain_requests`](crate::grain_requests) explains how a behaviour splits, merges, resizes, removes and creates grains.
 //!
 //! [`ContactView::iter`]: siloflow_dem::survey::view::ContactView::iter
 //! [`ContactView::all`]: siloflow_dem::survey::view::ContactView::all

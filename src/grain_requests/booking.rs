@@ -3,7 +3,7 @@
 //! The balance itself counts grains that come and go, with the contacts of those that go (`energy::energy_flows`). Here it gets what changes in grains that stay.
 
 use bevy_ecs::prelude::*;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::energy::{EnergyFlows, energy_of};
 use crate::grain_requests::accounts::Accounts;
@@ -26,8 +26,9 @@ pub(super) fn book_before<V: Space>(world: &mut World, plan: &Plan<V>) {
     let changing = || plan.changes.iter().map(|one| (one.id, one.reason.clone()));
     let elastic = elastic_energies::<V>(world, &going.chain(changing()).collect(), |_| false);
     // What goes is counted by the balance itself, contacts included.
-    let leaves = |id: GrainId| plan.leaving.iter().any(|one| one.id == id);
-    let of_changes: f64 = elastic_energies::<V>(world, &changing().collect(), leaves).values().sum();
+    let leaving: FxHashSet<_> = plan.leaving.iter().map(|one| one.id).collect();
+    let of_changes = elastic_energies::<V>(world, &changing().collect(), |id| leaving.contains(&id));
+    let of_changes: f64 = of_changes.values().sum();
     let rows = plan.leaving.iter().map(|one| (one.row, one.reason.as_str(), true));
     let rows = rows.chain(plan.changes.iter().map(|one| (one.row, one.reason.as_str(), false)));
     let figures: Vec<_> = {

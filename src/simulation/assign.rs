@@ -3,8 +3,6 @@
 //! The energy that this adds or takes, in motion, height and contacts, counts as released in the energy balance. Contacts keep their memories as
 //! far as they still exist. A grain that is put elsewhere has not crossed any wall.
 
-use bevy_ecs::prelude::*;
-
 use crate::energy::EnergyFlows;
 use crate::grain_requests::find_neighbours;
 use crate::ledger::forget_ways;
@@ -38,17 +36,6 @@ impl<V: Space> Assigned<'_, V> {
         match self {
             Self::Positions(all) | Self::Velocities(all) => all.iter().all(|vector| Linear::is_finite(*vector)),
             Self::Spins(all) => all.iter().all(|spin| spin.is_finite()),
-        }
-    }
-}
-
-/// The energy that these numbers can change, J.
-fn energy_of<V: Space>(world: &World, numbers: &Assigned<'_, V>) -> f64 {
-    match numbers {
-        Assigned::Positions(_) => totals::of_world(world).energy(),
-        Assigned::Velocities(_) | Assigned::Spins(_) => {
-            let store = world.resource::<ParticleStore<V>>();
-            store.integrated_rows().map(|row| store.kinetic_energy(row) + store.rotational_energy(row)).sum()
         }
     }
 }
@@ -90,7 +77,8 @@ impl Simulation {
         }
         let entities: Vec<_> = rows.iter().map(|&row| store.entity[row]).collect();
         let periodic = store.periodic;
-        let before = energy_of(world, &numbers);
+        // Springs are half a step ahead of positions in some schemes, so that their energy depends on velocities and spins too.
+        let before = totals::of_world(world).energy();
         for (place, entity) in entities.into_iter().enumerate() {
             let Ok(mut grain) = world.get_entity_mut(entity) else { continue };
             if !grain.contains::<Grain>() {
@@ -108,7 +96,7 @@ impl Simulation {
             forget_ways::<V>(world);
             find_neighbours::<V>(world);
         }
-        let gained = energy_of(world, &numbers) - before;
+        let gained = totals::of_world(world).energy() - before;
         if let Some(mut flows) = world.get_resource_mut::<EnergyFlows>() {
             flows.released += gained;
         }

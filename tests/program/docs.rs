@@ -104,6 +104,21 @@ fn as_siloflow(block: &str) -> String {
     block.replace("cargo run --release -- ", "siloflow ").replace("target/release/siloflow", "siloflow")
 }
 
+/// The words of a call; what stands in single quotes is part of one.
+fn words(call: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut is_quoted = false;
+    for c in call.chars() {
+        match c {
+            '\'' => is_quoted = !is_quoted,
+            c if c.is_whitespace() && !is_quoted => words.push(String::new()),
+            c => words.last_mut().unwrap().push(c),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
 /// Whether the program understands the calls that stand on lines of their own.
 fn understood(block: &str) -> Result<(), String> {
     for line in as_siloflow(block).lines() {
@@ -118,7 +133,7 @@ fn understood(block: &str) -> Result<(), String> {
             continue;
         }
         // The help is printed only if all arguments before it are right.
-        let arguments = arguments.split_whitespace().map(|word| word.trim_matches('\''));
+        let arguments = words(arguments);
         let output = Command::new(env!("CARGO_BIN_EXE_siloflow")).args(arguments).arg("--help").output().unwrap();
         if !output.status.success() {
             return Err(format!("`{call}` is not understood: {}", String::from_utf8_lossy(&output.stderr)));
