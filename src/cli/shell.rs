@@ -1,5 +1,5 @@
-//! `siloflow completions` and `siloflow man`: completions of shells and man pages, from the same description as `--help`. They exist in
-//! programs that were built with the feature `shell`.
+//! `siloflow completions` and `siloflow man`: completions of shells and man pages, from the same description as `--help`. Programs without
+//! the feature `shell`, which is on by default, lack them.
 
 use std::fs;
 use std::path::PathBuf;

@@ -53,8 +53,8 @@ pub enum Seed {
 const ONE: NonZeroUsize = NonZeroUsize::MIN;
 
 /// Shipped scenes with settings, and the steps after which their states are saved: in mid-release, a door that moves and one that is about
-/// to be removed, a mesh and a polygon with a hole, a feed that waits, clumps.
-const GRAINS: [(&str, &[(&str, &str)], u64); 6] = [
+/// to be removed, a mesh and a polygon with a hole, a feed that waits, clumps, a wall that forces move.
+const GRAINS: [(&str, &[(&str, &str)], u64); 7] = [
     (
         "silo1.ron",
         &[
@@ -82,6 +82,7 @@ const GRAINS: [(&str, &[(&str, &str)], u64); 6] = [
         40,
     ),
     ("hard/clumps-in-corner.ron", &[("fill[0].count", "20")], 100),
+    ("hard/lid-loses-bed.ron", &[("fill[0].count", "20"), ("free_walls[0].from", "0.0")], 50),
 ];
 
 /// Returns the seeds: [`GRAINS`], and a gas before and after its door has opened.
