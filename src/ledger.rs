@@ -1,4 +1,4 @@
-//! Grain accounting: each released grain is inside, out or lost. The culler removes grains that have fallen far enough.
+//! Grain accounting: each released grain is inside, out, lost, or removed by a request of a behaviour. The culler removes grains that have fallen far enough.
 //!
 //! * *Out*: the path of the grain crossed the orifice while the door was open. The orifice is the line between the two
 //!   wall grains that flank the door.

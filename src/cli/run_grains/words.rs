@@ -12,7 +12,14 @@ pub(super) fn describe(summary: &Summary<GrainResults>, words: &mut SummaryWords
     words.line(&head.scene, format!("{}, {} steps, {:.3} s simulated", head.status, head.steps, results.time_s));
     words.line(
         "grains",
-        format!("{} released, {} inside, {} out, {} lost", grains.released, grains.inside, grains.out, grains.lost),
+        format!(
+            "{} released, {} inside, {} out, {} lost{}",
+            grains.released,
+            grains.inside,
+            grains.out,
+            grains.lost,
+            grains.removed.map_or(String::new(), |removed| format!(", {removed} removed"))
+        ),
     );
     if let Some(stop) = &results.stop {
         words.line("stopped", format!("{stop}; {} grains inside, {:.4} kg", grains.inside, grains.inside_kg));

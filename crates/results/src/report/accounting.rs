@@ -1,4 +1,4 @@
-//! Grain accounting: released = inside + out + lost. Feeds, delayed releases, avalanches, clogs and lost grains.
+//! Grain accounting: released = inside + out + lost, and removed where behaviours remove grains. Feeds, delayed releases, avalanches, clogs and lost grains.
 
 use serde_json::Value;
 
@@ -10,13 +10,14 @@ use crate::report::sheet::{Cell, Sheet};
 const MOST_LOSSES: usize = 20;
 
 /// Rows: name, pointer into the summary, column of `series.csv` without a summary, unit, and whether it belongs to the lattice gas.
-const ROWS: [(&str, &str, &str, &str, bool); 12] = [
+const ROWS: [(&str, &str, &str, &str, bool); 13] = [
     ("Grains released", "/grains/released", "released", "grains", false),
     ("Grains inside at the end", "/grains/inside", "inside", "grains", false),
     ("Mass inside at the end", "/grains/inside_kg", "", "kg", false),
     ("Grains out through a door", "/grains/out", "out", "grains", false),
     ("Mass out through a door", "/grains/out_kg", "out_kg", "kg", false),
     ("Grains lost in any other way", "/grains/lost", "lost", "grains", false),
+    ("Grains removed by behaviours", "/grains/removed", "", "grains", false),
     ("Releases that had to wait", "/releases/delayed_releases", "", "grains", false),
     ("Longest wait of a release", "/releases/longest_delay_s", "", "s", false),
     ("Contacts per grain at the end", "/coordination", "coordination", "", false),
@@ -39,7 +40,9 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
         sheet.add(name, runs.iter().map(cell).collect());
     }
     add_feeds(&mut sheet, runs);
-    let mut content = sheet.html("Grain accounting: released = inside + out + lost", labels);
+    let removes = runs.iter().any(|run| run.value("/grains/removed").is_some());
+    let title = format!("Grain accounting: released = inside + out + lost{}", if removes { " + removed" } else { "" });
+    let mut content = sheet.html(&title, labels);
     for run in runs {
         content += &events(run, runs.len() > 1);
     }
