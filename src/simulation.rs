@@ -47,6 +47,14 @@ pub struct Simulation {
 /// crate.
 pub(crate) type Additions<'a> = Box<dyn FnOnce(&mut Assembly<'_>) -> Result<(), Fault> + 'a>;
 
+/// Returns the plugins of the calling program as additions.
+fn plugins_of_program<'a>(more: impl FnOnce(&mut App) + 'a) -> Additions<'a> {
+    Box::new(|assembly| {
+        assembly.add_with("the program", more);
+        Ok(())
+    })
+}
+
 /// The code that steps a simulation and gets its world between two steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Caller {
@@ -84,17 +92,7 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with(
-            loaded,
-            registry,
-            threads,
-            Caller::Outside,
-            Box::new(|assembly| {
-                assembly.add_with("the program", more);
-                Ok(())
-            }),
-            None,
-        )
+        Self::with(loaded, registry, threads, Caller::Outside, plugins_of_program(more), None)
     }
 
     /// Like [`Simulation::with_plugins`], for plugins that record the scene keys that requested them. With `saved` it continues

@@ -1,4 +1,4 @@
-//! What requests have done, by reason.
+//! Accounts of requests, by reason: numbers of grains, mass, momentum and energy.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 
-/// What requests of one reason have brought into the run: what has come less what has gone.
+/// The account of one reason: mass, momentum and energy of the grains that came less those of the grains that went.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
 pub(super) struct Account<V: Space> {
@@ -53,7 +53,7 @@ impl<V: Space> Accounts<V> {
     }
 }
 
-/// Figures of one reason, for the summary. What has come counts as positive, what has gone as negative.
+/// Figures of one reason, for the summary. Arrivals count as positive, departures as negative.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReasonFigures {
     /// Grains that requests have made.

@@ -20,12 +20,12 @@ pub(super) struct Present {
     pub(super) is_new: bool,
 }
 
-/// Books what goes, and the old state of what changes.
+/// Books grains that go, and the old state of grains that change.
 pub(super) fn book_before<V: Space>(world: &mut World, plan: &Plan<V>) {
     let going = plan.leaving.iter().map(|one| (one.id, one.reason.clone()));
     let changing = || plan.changes.iter().map(|one| (one.id, one.reason.clone()));
     let elastic = elastic_energies::<V>(world, &going.chain(changing()).collect(), |_| false);
-    // What goes is counted by the balance itself, contacts included.
+    // The balance itself counts grains that go, contacts included.
     let leaving: FxHashSet<_> = plan.leaving.iter().map(|one| one.id).collect();
     let of_changes = elastic_energies::<V>(world, &changing().collect(), |id| leaving.contains(&id));
     let of_changes: f64 = of_changes.values().sum();
@@ -64,7 +64,7 @@ pub(super) fn book_before<V: Space>(world: &mut World, plan: &Plan<V>) {
     }
 }
 
-/// Books the new state of what has come or changed, in the order of ids.
+/// Books grains that have come, and the new state of grains that have changed, in the order of ids.
 pub(super) fn book_after<V: Space>(world: &mut World, present: &FxHashMap<GrainId, Present>) {
     let mut figures: Vec<_> = {
         let store = world.resource::<ParticleStore<V>>();

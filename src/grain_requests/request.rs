@@ -72,7 +72,7 @@ pub(super) enum Request<V: Space> {
     Create { grain: NewGrain<V>, reason: String },
 }
 
-/// What decides the place of a request: its kind, the grain that it names, its reason, and all its numbers.
+/// The sort key of a request: its kind, the grain that it names, its reason, and all its numbers.
 type Key = (u8, Option<GrainId>, String, Vec<u64>);
 
 impl<V: Space> Request<V> {

@@ -15,7 +15,7 @@ use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::{Linear, Space};
 use siloflow_dem::store::ParticleStore;
 
-/// What requests need of the scene.
+/// The settings of the scene that requests need.
 #[derive(Resource)]
 pub(super) struct Rules {
     /// The scene's `mass`.
@@ -63,7 +63,7 @@ pub(super) struct Coming<V: Space> {
     pub(super) reason: String,
 }
 
-/// What will happen.
+/// The outcome of all requests of a step.
 pub(super) struct Plan<V: Space> {
     pub(super) leaving: Vec<Leaving>,
     pub(super) changes: Vec<Change<V>>,
@@ -72,7 +72,7 @@ pub(super) struct Plan<V: Space> {
     pub(super) dropped: Vec<String>,
 }
 
-/// What requests refer to.
+/// Resolves requests against the present state of the grains.
 pub(super) struct Resolver<'a, V: Space> {
     store: &'a ParticleStore<V>,
     ledger: &'a Ledger,

@@ -1,7 +1,6 @@
 //! The state of a simulation in a file: a [checkpoint](crate::output::checkpoint) without a run directory.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -11,14 +10,15 @@ use crate::behaviour::Registry;
 use crate::output::checkpoint::file::{self, FORMAT, Header};
 use crate::output::checkpoint::find;
 use crate::scene::loaded::Loaded;
-use crate::simulation::{Caller, Simulation};
+use crate::simulation::{Caller, Simulation, plugins_of_program};
 use siloflow_dem::persist::{Section, UnknownState};
 use siloflow_dem::step::Clock;
 use siloflow_files::run_files::Manifest;
+use siloflow_files::whole_file;
 use siloflow_text::fault::Fault;
 
 impl Simulation {
-    /// Writes the whole state into a file, in place of one that is there.
+    /// Writes the whole state into a file. A file of this name is replaced once the new one is whole.
     ///
     /// # Errors
     /// If the state cannot be encoded, or the file cannot be written.
@@ -36,9 +36,7 @@ impl Simulation {
             is_final: false,
             files: Manifest::default(),
         };
-        let mut out = BufWriter::new(File::create(path)?);
-        file::write(&mut out, &header, &sections)?;
-        out.flush()
+        whole_file::write_with(path, |out| file::write(out, &header, &sections))
     }
 
     /// Builds the app that the scene needs with plugins of the caller, and continues a state of the same scene: one of [`Simulation::save_to`], a checkpoint
@@ -59,10 +57,7 @@ impl Simulation {
             registry,
             threads,
             Caller::Outside,
-            Box::new(|assembly| {
-                assembly.add_with("the program", more);
-                Ok(())
-            }),
+            plugins_of_program(more),
             // A checkpoint of a run has outputs too.
             Some((&sections, UnknownState::Skip)),
         )

@@ -164,7 +164,7 @@ fn momentum_of_a_grain_and_a_free_wall_is_kept_in_an_impact() {
         // A linear contact that does not pull ends a little earlier than the half period.
         let tolerance = if scheme == "Verlet" { 1e-4 } else { 0.1 };
         assert!((grain / expected - 1.0).abs() < tolerance, "{scheme}: {grain} {expected}");
-        // What the grain has lost, the wall has got.
+        // The wall has gained the energy that the grain has lost.
         let flows = run.world().resource::<EnergyFlows>();
         let kinetic = 0.5 * big * wall.rate * wall.rate;
         assert!((kinetic + flows.wall_work).abs() < 1e-4 * kinetic, "{scheme}: {kinetic} J, {} J", flows.wall_work);

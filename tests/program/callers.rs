@@ -1,4 +1,4 @@
-//! What a caller does to a simulation between two steps: other numbers for grains, pushes, a state in a file, another thread.
+//! Calls between two steps of a simulation: other numbers for grains, pushes, a state in a file, another thread.
 
 use std::marker::PhantomData;
 use std::num::NonZeroUsize;
@@ -145,6 +145,9 @@ fn a_saved_file_and_a_run_are_continued_to_the_same_bits() {
     assert_eq!(siloflow::cli::run_with(&Registry::default(), arguments), std::process::ExitCode::SUCCESS);
     let mut third = go_on(&out).unwrap();
     assert_eq!(state_hash::of_world(third.world_mut()), expected);
+    assert!(second.save_to(&here.path().join("missing").join("state"), "heap").is_err());
+    second.save_to(&file, "heap").unwrap();
+    assert_eq!(go_on(&file).unwrap().world().resource::<Clock>().steps, 3000);
     std::fs::write(&file, "nonsense").unwrap();
     for wrong in [file, here.path().join("missing"), here.path().to_owned()] {
         assert!(go_on(&wrong).map(|_| ()).unwrap_err().code().starts_with("checkpoint::"), "{}", wrong.display());

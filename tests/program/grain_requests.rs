@@ -11,7 +11,7 @@ use siloflow::measure::totals;
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
 
-/// What the behaviour `script` asks for at the end of a step.
+/// A request of the behaviour `script` at the end of a step.
 #[derive(Clone, Debug, Deserialize)]
 enum Act {
     /// Grain 1 breaks into two pieces of half its radius at these places from its centre, m.

@@ -85,7 +85,7 @@ pub struct GrainResults {
     /// Values that behaviours register, by behaviour and name. The key is absent without one.
     #[serde(skip_serializing_if = "Values::is_empty")]
     pub behaviours: Values,
-    /// What requests of behaviours have made, removed and changed, by reason. The key is absent without one.
+    /// Figures of the requests of behaviours, by reason. The key is absent without a request.
     #[serde(skip_serializing_if = "RequestFigures::is_empty")]
     pub requests: RequestFigures,
     /// Contact law.

@@ -1,7 +1,6 @@
 //! The step for walls that forces move: dt < 2 sqrt(M/K) with the inertia M and the stiffness K of all contacts with the wall, and for a servo of gain G
-//! dt < 2/(G K). The number of contacts is that of the largest grains side by side on the wall, and one where the wall has no ends.
-
-use std::f64::consts::TAU;
+//! dt < 2/(G K). The number of contacts is that of the largest grains side by side on the wall, and one where the wall has no ends. A hinge whose walls have no ends has no
+//! longest lever and is not examined.
 
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
@@ -15,7 +14,8 @@ pub(super) fn examine(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec
     for free in &loaded.scene.free_walls {
         let walls = || loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&free.walls));
         let contacts = walls().map(|wall| contacts(loaded, wall, estimates.radius)).sum::<f64>().max(1.0);
-        let stiffness = contacts * estimates.stiffness * lever(free, walls()).powi(2);
+        let Some(lever) = lever(free, walls()) else { continue };
+        let stiffness = contacts * estimates.stiffness * lever.powi(2);
         let limit = match (free.moved_inertia(), free.gain.map(Positive::get)) {
             (Some(inertia), _) => 2.0 * (inertia / stiffness).sqrt(),
             (None, Some(gain)) => 2.0 / (gain * stiffness),
@@ -40,7 +40,7 @@ pub(super) fn pressed_by_free_walls(loaded: &Loaded, radius: f64) -> f64 {
     let force = |free: &FreeWall| {
         let walls = || loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&free.walls));
         let contacts = walls().map(|wall| contacts(loaded, wall, radius)).fold(1.0, f64::max);
-        let lever = lever(free, walls());
+        let Some(lever) = lever(free, walls()) else { return 0.0 };
         let weight = free.mass.filter(|_| free.gravity).map_or(0.0, Positive::get);
         let weight = weight * loaded.scene.gravity.padded().length();
         let load = free.load.map_or(0.0, Finite::get).abs() + free.motor.map_or(0.0, |motor| motor.limit.get());
@@ -58,10 +58,10 @@ fn contacts(loaded: &Loaded, wall: &Wall, radius: f64) -> f64 {
     if loaded.scene.space == Dimension::Plane { short.hypot(long) } else { short * long }
 }
 
-/// Meters of way per unit of the coordinate: 1, or the longest lever about the axis of a hinge, m.
-fn lever<'a>(free: &FreeWall, walls: impl Iterator<Item = &'a Wall>) -> f64 {
-    let Freedom::About { point, .. } = &free.moves else { return 1.0 };
+/// Meters of way per unit of the coordinate: 1, or the longest lever about the axis of a hinge, m; `None` for a hinge whose walls have no ends.
+fn lever<'a>(free: &FreeWall, walls: impl Iterator<Item = &'a Wall>) -> Option<f64> {
+    let Freedom::About { point, .. } = &free.moves else { return Some(1.0) };
     let point = point.padded();
     let far = |[low, high]: [Solid; 2]| (high - point).abs().max((low - point).abs()).length();
-    walls.filter_map(Wall::bounds).map(far).fold(f64::NAN, f64::max).max(1e-3 / TAU)
+    walls.filter_map(Wall::bounds).map(far).reduce(f64::max).filter(|&lever| lever > 0.0)
 }

@@ -119,16 +119,13 @@ impl Loaded {
             return Way { shifts: motion.shifts(self.scene.until.get()), turn };
         }
         if let Some(free) = self.scene.free_walls.iter().find(|free| wall.name() == Some(&free.walls)) {
-            let ends = |direction: Solid| free.range().map(|coordinate| direction * coordinate);
+            let unit = free.moves.unit();
             return match &free.moves {
-                Freedom::Along(direction) => {
-                    let [one, other] = ends(direction.padded().unit_or_zero());
+                Freedom::Along(_) => {
+                    let [one, other] = free.range().map(|coordinate| unit * coordinate);
                     Way { shifts: [one.min(other), one.max(other)], turn: None }
                 }
-                Freedom::About { point, axis } => {
-                    let axis = axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero();
-                    Way { shifts: [Solid::ZERO; 2], turn: Some([point.padded(), axis]) }
-                }
+                Freedom::About { point, .. } => Way { shifts: [Solid::ZERO; 2], turn: Some([point.padded(), unit]) },
             };
         }
         let controls = self.scene.door_controls().into_iter();

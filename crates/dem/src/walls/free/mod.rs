@@ -24,7 +24,7 @@ mod state;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::state::{Applied, FreeState};
+pub use self::state::FreeState;
 use crate::space::{Linear, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 use crate::walls::motion::PoseInTime;
@@ -84,6 +84,18 @@ pub enum Freedom {
     },
 }
 
+impl Freedom {
+    /// The unit vector of the direction or of the axis.
+    #[must_use]
+    pub fn unit(&self) -> Solid {
+        match self {
+            Self::Along(direction) => direction.padded(),
+            Self::About { axis, .. } => axis.map_or(Solid::Z, FiniteVector::padded),
+        }
+        .unit_or_zero()
+    }
+}
+
 /// A spring on a free wall.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -109,24 +121,24 @@ pub struct Motor {
 impl FreeWall {
     /// The pose at a coordinate and a rate.
     pub(super) fn pose<V: Space>(&self, coordinate: f64, rate: f64) -> PoseInTime<V> {
+        let unit = self.moves.unit();
         match &self.moves {
-            Freedom::Along(direction) => {
-                let direction = V::narrow(direction.padded().unit_or_zero());
+            Freedom::Along(_) => {
+                let direction = V::narrow(unit);
                 PoseInTime {
                     pose: Pose::shifted(direction * coordinate),
                     velocity: direction * rate,
                     spin: V::Spin::ZERO,
                 }
             }
-            Freedom::About { point, axis } => {
-                let axis = axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero();
+            Freedom::About { point, .. } => {
                 let pose = Pose {
                     about: V::narrow(point.padded()),
-                    axis: V::narrow_spin(axis),
+                    axis: V::narrow_spin(unit),
                     angle: coordinate,
                     shift: V::ZERO,
                 };
-                PoseInTime { pose, velocity: V::ZERO, spin: V::narrow_spin(axis * rate) }
+                PoseInTime { pose, velocity: V::ZERO, spin: V::narrow_spin(unit * rate) }
             }
         }
     }
@@ -134,9 +146,9 @@ impl FreeWall {
     /// The force (N) on walls along the direction, or the torque (N m) about the axis, of a force and a torque about `reference`, m.
     pub(super) fn along<V: Space>(&self, force: V, torque: V::Spin, reference: V) -> f64 {
         match &self.moves {
-            Freedom::Along(direction) => force.dot(V::narrow(direction.padded().unit_or_zero())),
-            Freedom::About { point, axis } => {
-                let axis = V::narrow_spin(axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero());
+            Freedom::Along(_) => force.dot(V::narrow(self.moves.unit())),
+            Freedom::About { point, .. } => {
+                let axis = V::narrow_spin(self.moves.unit());
                 let arm = reference - V::narrow(point.padded());
                 (torque + arm.cross(force)).dot(axis)
             }

@@ -35,7 +35,7 @@ pub struct FreeState {
 
 /// Forces other than that of the grains, at a coordinate, as functions of the rate: `constant` - `damping` rate + motor.
 #[derive(Clone, Copy, Debug)]
-pub struct Applied {
+struct Applied {
     constant: f64,
     damping: f64,
     /// Speed, gain and limit of the motor.
