@@ -24,7 +24,7 @@ use siloflow_dem::walls::config::shape::WallShape;
 use siloflow_dem::walls::mesh::open_and_crowded_edges;
 use siloflow_dem::walls::mesh_faults;
 use siloflow_lattice::sites::Sites;
-use siloflow_text::fault::Fault;
+use siloflow_text::fault::{Fault, Warning};
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -46,19 +46,8 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<ExitStatus,
     let _signals = Signals::catch();
     let scene = args.scene.load()?;
     let budget = Budget::of(Duration::try_from_secs_f64(args.patience).unwrap_or(Duration::MAX));
-    let mut text = format!("{}: the input is valid\n", scene.source().name);
-    let warnings = match &scene {
-        AnyScene::Grains(loaded) => {
-            Simulation::new(loaded, registry, ONE_THREAD)?;
-            describe(loaded, &mut text);
-            check::warnings_within(loaded, &budget)
-        }
-        AnyScene::Lattice(loaded) => {
-            Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
-            describe_lattice(loaded, &mut text);
-            lattice_silo::check::warnings(loaded)
-        }
-    };
+    let Findings { estimates, warnings } = examine(&scene, registry, &budget)?;
+    let mut text = format!("{}: the input is valid\n{estimates}", scene.source().name);
     // Writing to a string cannot fail.
     for warning in &warnings {
         let _ = write!(text, "warning {}\n  {}\n  {}\n", warning.code, warning.message, warning.help);
@@ -74,6 +63,36 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<ExitStatus,
     );
     say(&text);
     Ok(ExitStatus::Done)
+}
+
+/// What a check finds in a scene that can be run.
+#[derive(Clone, Debug)]
+pub struct Findings {
+    /// Estimates, a line for each: a name and a value.
+    pub estimates: String,
+    /// Expected trouble.
+    pub warnings: Vec<Warning>,
+}
+
+/// Examines a scene as the command `check` does.
+///
+/// # Errors
+/// If the scene cannot be run.
+pub fn examine(scene: &AnyScene, registry: &Registry, budget: &Budget) -> Result<Findings, Fault> {
+    let mut estimates = String::new();
+    let warnings = match scene {
+        AnyScene::Grains(loaded) => {
+            Simulation::new(loaded, registry, ONE_THREAD)?;
+            describe(loaded, &mut estimates);
+            check::warnings_within(loaded, budget)
+        }
+        AnyScene::Lattice(loaded) => {
+            Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
+            describe_lattice(loaded, &mut estimates);
+            lattice_silo::check::warnings(loaded)
+        }
+    };
+    Ok(Findings { estimates, warnings })
 }
 
 /// Adds a line for each mesh. An edge of one triangle alone is the rim of an opening, or a gap.

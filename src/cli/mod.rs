@@ -2,7 +2,7 @@
 //! command.
 
 mod accuracy;
-mod check;
+pub mod check;
 mod compare;
 mod diff;
 #[cfg(test)]
@@ -32,6 +32,8 @@ mod run_path;
 #[cfg(feature = "shell")]
 mod shell;
 mod signals;
+pub mod sliced;
+mod status_line;
 mod study;
 mod sweep;
 mod validate;

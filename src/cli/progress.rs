@@ -3,15 +3,14 @@
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 use crate::cli::say_aside;
+use crate::cli::status_line::StatusLine;
 
 /// Steps between two readings of the wall clock.
 const CHUNK: u32 = 64;
 
 pub(super) struct Progress {
-    bar: Option<ProgressBar>,
+    bar: Option<StatusLine>,
     plain: bool,
     stride: u32,
     before_s: f64,
@@ -40,13 +39,7 @@ impl Progress {
     /// Starts to show the progress of a run that has taken `before_s` seconds and made `updates` updates.
     pub(super) fn new(quiet: bool, before_s: f64, updates: u64) -> Self {
         let on_terminal = std::io::stderr().is_terminal();
-        let bar = (on_terminal && !quiet).then(|| {
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(5));
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_msg}") {
-                bar.set_style(style);
-            }
-            bar
-        });
+        let bar = (on_terminal && !quiet).then(StatusLine::new);
         let now = Instant::now();
         let patience = if on_terminal { Duration::from_millis(300) } else { Duration::from_secs(1) };
         Self {
@@ -78,8 +71,7 @@ impl Progress {
         }
         let pace = self.pace(updates, now);
         if let Some(bar) = &self.bar {
-            bar.set_message(describe(pace));
-            bar.tick();
+            bar.show(describe(pace));
             self.next = now + Duration::from_millis(200);
         } else if self.plain {
             say_aside(&describe(pace));
@@ -101,7 +93,7 @@ impl Progress {
 
     pub(super) fn finish(&self) {
         if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
+            bar.clear();
         }
     }
 }

@@ -9,7 +9,7 @@
 //!
 //! At a signal the run ends after the step that follows, with `status: "interrupted"`.
 
-mod finish;
+pub(super) mod finish;
 pub(super) mod runnable;
 pub(super) mod words;
 
@@ -34,6 +34,12 @@ use siloflow_dem::persist::{CheckpointConfig, Section, UnknownState};
 use siloflow_files::run_directory::RunDirectory;
 use siloflow_text::fault::Fault;
 
+/// A run whose directory is in its place, and that has not stepped on from there.
+pub(super) struct Prepared {
+    pub simulation: Simulation,
+    pub directory: RunDirectory,
+}
+
 /// Steps a scene from its start to its end and writes the run directory at `path`. A failure after the start is logged and stands in the
 /// summary.
 pub(super) fn run_from_start(
@@ -41,6 +47,21 @@ pub(super) fn run_from_start(
     path: &Path,
     options: &RunOptions,
 ) -> Result<RunResult, Fault> {
+    match prepare(scene, path, options)? {
+        Some(Prepared { simulation, directory }) => Ok(run_to_end(scene, simulation, &directory, options)),
+        None => {
+            let exit_status = options.signals.received().map_or(ExitStatus::Failed, ExitStatus::Interrupted);
+            Ok(RunResult { words: String::new(), json: String::new(), exit_status })
+        }
+    }
+}
+
+/// Checks a scene, builds its simulation, runs step zero and moves the run directory to `path`; `None` after a signal.
+pub(super) fn prepare(
+    scene: &mut impl RunnableScene,
+    path: &Path,
+    options: &RunOptions,
+) -> Result<Option<Prepared>, Fault> {
     scene.check(options.registry)?;
     options.signals.defer();
     let mut directory = RunDirectory::create(path, scene.source(), options.force)?;
@@ -52,12 +73,12 @@ pub(super) fn run_from_start(
     if let Some(End::Failed(failure @ Failure::Output { .. })) = first {
         return Err(could_not_start(&failure));
     }
-    if let Some(signal) = options.signals.received() {
-        let exit_status = ExitStatus::Interrupted(signal);
-        return Ok(RunResult { words: String::new(), json: String::new(), exit_status });
+    if options.signals.received().is_some() {
+        return Ok(None);
     }
     directory.publish()?;
-    Ok(run_to_end(scene, simulation, &directory, config, options))
+    enter(scene, &mut simulation, &directory, config, options);
+    Ok(Some(Prepared { simulation, directory }))
 }
 
 /// Resumes a run from a checkpoint in its directory.
@@ -72,7 +93,8 @@ pub(super) fn resume_from(
     let config = checkpoint_config(scene, &mut simulation, options)?;
     simulation.stop_on(options.signals.flag());
     directory.remove_results().map_err(|error| directory.unwritable(&error))?;
-    Ok(run_to_end(scene, simulation, directory, config, options))
+    enter(scene, &mut simulation, directory, config, options);
+    Ok(run_to_end(scene, simulation, directory, options))
 }
 
 /// Builds the simulation of a scene with its outputs in `directory`. With `saved` it continues that state.
@@ -95,14 +117,14 @@ fn build<S: RunnableScene>(
     Ok(simulation)
 }
 
-/// Steps a simulation, whose directory is in its place, to the end.
-fn run_to_end<S: RunnableScene>(
-    scene: &S,
-    mut simulation: Simulation,
+/// Lets a simulation write into its directory, which is in its place, and take checkpoints.
+fn enter(
+    scene: &impl RunnableScene,
+    simulation: &mut Simulation,
     directory: &RunDirectory,
     config: Option<CheckpointConfig>,
     options: &RunOptions,
-) -> RunResult {
+) {
     // No picture is queued, so this cannot fail.
     let _ = simulation.continue_in(directory);
     if let Some(config) = config {
@@ -110,6 +132,15 @@ fn run_to_end<S: RunnableScene>(
         let is_chosen = options.checkpoint_every.is_some() || scene.source().value_of("checkpoint.every").is_some();
         simulation.take_checkpoints(Checkpoints::new(directory, name, config, is_chosen));
     }
+}
+
+/// Steps a simulation, whose directory is in its place, to the end.
+fn run_to_end<S: RunnableScene>(
+    scene: &S,
+    mut simulation: Simulation,
+    directory: &RunDirectory,
+    options: &RunOptions,
+) -> RunResult {
     let (end, cost) = step_to_the_end(scene, &mut simulation, options.quiet);
     finish(scene, &mut simulation, directory, &end, cost, options)
 }
@@ -159,11 +190,17 @@ fn step_to_the_end(scene: &impl RunnableScene, simulation: &mut Simulation, quie
     let Cost { wall_s, updates } = simulation.cost_mut().cost();
     let mut progress = Progress::new(quiet, wall_s, updates);
     let end = simulation.advance_to_end(|world| {
-        let updates = scene.updates(world, world.resource::<RunCost>().updates);
-        world.resource_mut::<RunCost>().updates = updates;
+        let updates = count_updates(scene, world);
         progress.look(updates, |pace| scene.line(world, pace));
     });
     let cost = simulation.cost_mut().cost();
     progress.finish();
     (end, cost)
+}
+
+/// Adds the updates of the last step, and returns the number of all.
+pub(super) fn count_updates(scene: &impl RunnableScene, world: &mut World) -> u64 {
+    let updates = scene.updates(world, world.resource::<RunCost>().updates);
+    world.resource_mut::<RunCost>().updates = updates;
+    updates
 }

@@ -21,7 +21,7 @@ const BYTES_PER_SITE: usize = 16;
 const MOST_CORNERS: usize = 5_000;
 
 /// Most comparisons of a site with an edge or with a single particle.
-const MOST_COMPARISONS: usize = 10_000_000_000;
+const MOST_COMPARISONS: u64 = 10_000_000_000;
 
 /// Number of lines above a picture.
 const HEADER_LINES: usize = 3;
@@ -58,7 +58,7 @@ pub(super) fn sites(scene: &LatticeScene, rules: &Rules, source: &Source) -> Res
         );
         return fault(message, "give a larger spacing, in m");
     }
-    if stored.saturating_mul(corners.max(scene.particles.len())) > MOST_COMPARISONS {
+    if (stored as u64).saturating_mul(corners.max(scene.particles.len()) as u64) > MOST_COMPARISONS {
         let message = format!(
             "{stored} sites with {corners} corners and {} particles would take minutes to prepare",
             scene.particles.len()

@@ -27,7 +27,7 @@ impl Simulation {
 
     /// Steps until the run ends or `each` returns false. `each` receives the world after every step, with components
     /// that may be out of date.
-    fn advance_while(&mut self, mut each: impl FnMut(&mut World) -> bool + Send) -> Option<End> {
+    pub(crate) fn advance_while(&mut self, mut each: impl FnMut(&mut World) -> bool + Send) -> Option<End> {
         Threads::run(&mut self.world, |world| {
             loop {
                 let end = advance(world);

@@ -15,8 +15,21 @@ fn parse_status(status: &str) -> Option<u64> {
 
 /// Returns the memory that is available for a process, bytes: `MemAvailable` of Linux, or what is left of the limit of its
 /// control group, if that is less; `None` on other systems.
+/// Where addresses have 32 bits, at most the limit of the address space.
 #[must_use]
 pub fn available_memory() -> Option<u64> {
+    if cfg!(target_pointer_width = "32") {
+        return Some(of_machine().map_or(ADDRESSABLE, |bytes| bytes.min(ADDRESSABLE)));
+    }
+    of_machine()
+}
+
+/// Memory that a program with addresses of 32 bits has for its data, bytes: a browser gives less than the 4 GB that it can address, and
+/// growing buffers are copied.
+const ADDRESSABLE: u64 = 2_000_000_000;
+
+/// Returns the available memory of Linux, bytes.
+fn of_machine() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = parse_available(&read("/proc/meminfo")?)?;
     let number = |path: &str| read(path)?.trim().parse::<u64>().ok();

@@ -6,12 +6,11 @@
 //! at the end of the run, which blocks until all pictures are written.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::JoinHandle;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
+use crate::writers::background::Background;
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_figures::png;
@@ -34,16 +33,23 @@ pub struct PictureWriter {
     /// Number of pictures so far.
     count: u32,
     /// The drawing thread; it starts with the first picture.
-    drawing_thread: Option<DrawingThread>,
+    drawing_thread: Option<Background<Drawing, Task>>,
 }
 
 /// Makes a picture.
 type MakePicture = Box<dyn FnOnce() -> Picture + Send>;
 
-/// The drawing thread and its queue.
-struct DrawingThread {
-    queue: SyncSender<(PathBuf, MakePicture)>,
-    thread: JoinHandle<Result<(), Failure>>,
+/// How pictures are drawn, and where they are recorded.
+struct Drawing {
+    png: bool,
+    guard: Option<Guard>,
+    files: RunFiles,
+}
+
+/// A picture for the drawing thread.
+struct Task {
+    path: PathBuf,
+    make: MakePicture,
 }
 
 impl PictureWriter {
@@ -98,15 +104,17 @@ impl PictureWriter {
     fn send(&mut self, make: MakePicture) -> Result<(), Failure> {
         let path = self.directory.join(format!("{:05}.svg", self.count));
         self.count += 1;
-        let drawing_thread = match self.drawing_thread.take() {
+        let mut drawing_thread = match self.drawing_thread.take() {
             Some(drawing_thread) => drawing_thread,
-            None => DrawingThread::start(self.png, self.guard.clone(), self.files.clone())
-                .map_err(|error| failed(&path, &error))?,
+            None => {
+                let drawing = Drawing { png: self.png, guard: self.guard.clone(), files: self.files.clone() };
+                Background::start("pictures", MAX_WAITING_PICTURES, drawing, Drawing::draw)
+                    .map_err(|error| failed(&path, &error))?
+            }
         };
-        // Sending fails only if the drawing thread has ended with an error, which `close` returns.
-        let is_sent = drawing_thread.queue.send((path, make)).is_ok();
+        let is_added = drawing_thread.add(Task { path, make });
         self.drawing_thread = Some(drawing_thread);
-        if is_sent { Ok(()) } else { self.close() }
+        if is_added { Ok(()) } else { self.close() }
     }
 
     /// Blocks until all pictures are written. Later pictures go to `directory`, to which the caller moves the present ones.
@@ -125,9 +133,7 @@ impl PictureWriter {
     /// # Errors
     /// If a picture could not be written.
     pub fn close(&mut self) -> Result<(), Failure> {
-        let Some(DrawingThread { queue, thread }) = self.drawing_thread.take() else { return Ok(()) };
-        drop(queue);
-        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        self.drawing_thread.take().map_or(Ok(()), |drawing_thread| drawing_thread.close().1)
     }
 }
 
@@ -135,45 +141,32 @@ impl Drop for PictureWriter {
     /// Blocks until all pictures are written. An error is ignored, because a run that drops the writer early has
     /// already reported its failure.
     fn drop(&mut self) {
-        if let Some(DrawingThread { queue, thread }) = self.drawing_thread.take() {
-            drop(queue);
-            let _ = thread.join();
+        if let Some(drawing_thread) = self.drawing_thread.take() {
+            drawing_thread.wait();
         }
     }
 }
 
-impl DrawingThread {
-    fn start(png: bool, guard: Option<Guard>, files: RunFiles) -> std::io::Result<Self> {
-        let (queue, pictures) = sync_channel(MAX_WAITING_PICTURES);
-        let draw = move || draw_all(&pictures, png, guard.as_ref(), &files);
-        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(draw)?;
-        Ok(Self { queue, thread })
-    }
-}
-
-/// Draws and writes pictures until the queue is closed.
-fn draw_all(
-    pictures: &Receiver<(PathBuf, MakePicture)>,
-    png: bool,
-    guard: Option<&Guard>,
-    files: &RunFiles,
-) -> Result<(), Failure> {
-    let write = |path: &Path, bytes: &[u8]| {
-        whole_file::write(path, bytes).map_err(|error| failed(path, &error))?;
-        files.file(name_in_run(path)).is_written(Extent::default().with(bytes));
-        Ok(())
-    };
-    pictures.iter().try_for_each(|(path, make)| {
-        guard.map_or(Ok(()), |guard| guard()).map_err(|error| failed(&path, &error))?;
+impl Drawing {
+    /// Draws and writes a picture.
+    fn draw(&mut self, task: Task) -> Result<(), Failure> {
+        let Task { path, make } = task;
+        self.guard.as_ref().map_or(Ok(()), |guard| guard()).map_err(|error| failed(&path, &error))?;
         let svg = make().to_svg();
-        write(&path, svg.as_bytes())?;
-        if png {
+        self.write(&path, svg.as_bytes())?;
+        if self.png {
             let path = path.with_extension("png");
             let bytes = png::encode(&svg).map_err(|reason| failed(&path, &reason))?;
-            write(&path, &bytes)?;
+            self.write(&path, &bytes)?;
         }
         Ok(())
-    })
+    }
+
+    fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        whole_file::write(path, bytes).map_err(|error| failed(path, &error))?;
+        self.files.file(name_in_run(path)).is_written(Extent::default().with(bytes));
+        Ok(())
+    }
 }
 
 /// Path of a picture in the run directory, which holds its directory.

@@ -47,13 +47,14 @@ impl InstructionSet {
     /// All sets of this machine, the widest last.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Self::Baseline];
+        let baseline = std::iter::once(Self::Baseline);
         #[cfg(target_arch = "x86_64")]
-        {
-            all.extend(Level::new().as_avx2().map(Self::Avx2));
-            all.extend(Level::new().as_avx512().map(Self::Avx512));
-        }
-        all
+        let baseline = {
+            let level = Level::new();
+            let wider = [level.as_avx2().map(Self::Avx2), level.as_avx512().map(Self::Avx512)];
+            baseline.chain(wider.into_iter().flatten())
+        };
+        baseline.collect()
     }
 
     /// The word for this set in [`VARIABLE`].

@@ -1,6 +1,6 @@
 //! The threads that share the force pass ([`crate::contact::force_pass`]), passes over the particle store
 //! ([`crate::store`]), the neighbour search and the passes of the lattice gas. One thread needs no pool. Results are
-//! the same to the last bit for any number of threads.
+//! the same to the last bit for any number of threads. WebAssembly has one thread, whatever number is wanted.
 //!
 //! A step is a few passes of 10 to 100 microseconds each, with a little single-threaded work in between. Waking a
 //! sleeping thread takes as long as a pass; in a virtual machine it takes 0.1 to 0.5 ms. A helper thread therefore
@@ -39,7 +39,7 @@ impl Threads {
     /// # Errors
     /// If the operating system cannot start them.
     pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
-        if count.get() == 1 {
+        if count.get() == 1 || cfg!(target_family = "wasm") {
             return Ok(Self::one());
         }
         let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count.get()).build()?);

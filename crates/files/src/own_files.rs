@@ -12,7 +12,7 @@
 
 use std::fs::{self, File, FileType, Metadata, OpenOptions, ReadDir};
 use std::io::{self, ErrorKind, Read as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use siloflow_text::encoding::TextReader;
 use siloflow_text::file::BoundedFile;
@@ -140,6 +140,18 @@ pub fn file_number(_: &Metadata) -> (u64, u64) {
     (0, 0)
 }
 
+/// Returns the absolute path of a file or directory that is there, without symbolic links. WebAssembly follows none: there the path is only made absolute.
+///
+/// # Errors
+/// If there is nothing at `path`.
+pub fn resolved(path: &Path) -> io::Result<PathBuf> {
+    if !cfg!(target_family = "wasm") {
+        return fs::canonicalize(path);
+    }
+    fs::symlink_metadata(path)?;
+    std::path::absolute(path)
+}
+
 /// The kind of file that has to be at a path.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Expected {
@@ -190,7 +202,6 @@ fn without_following(options: &mut OpenOptions) -> &mut OpenOptions {
 mod tests {
     use std::io::Write as _;
     use std::os::unix::fs::symlink;
-    use std::path::PathBuf;
 
     use super::*;
 

@@ -70,6 +70,18 @@ impl Fault {
         self.0.help.as_deref()
     }
 
+    /// The file of the place, as messages show it.
+    #[must_use]
+    pub fn file(&self) -> Option<&str> {
+        self.0.place.as_ref().map(|place| place.name())
+    }
+
+    /// The number of characters that the fault points at, in one line.
+    #[must_use]
+    pub fn width(&self) -> Option<usize> {
+        self.0.place.as_ref().map(Excerpt::width)
+    }
+
     /// Line and column of the place, both counted from 1.
     #[must_use]
     pub fn line_and_column(&self) -> Option<(usize, usize)> {

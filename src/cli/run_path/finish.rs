@@ -16,7 +16,7 @@ use siloflow_files::run_directory::RunDirectory;
 use siloflow_text::fault::Fault;
 
 /// Ends a run: writes its state and its summary. The state is that of the end of the last step.
-pub(super) fn finish<S: RunnableScene>(
+pub(in crate::cli) fn finish<S: RunnableScene>(
     scene: &S,
     simulation: &mut Simulation,
     directory: &RunDirectory,

@@ -6,13 +6,12 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::JoinHandle;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::output::frame_recording::live::{LiveFormats, SavedFormats};
+use crate::writers::background::Background;
 use siloflow_dem::outcome::{Failure, Outcome};
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_files::frames::Frame;
@@ -28,18 +27,13 @@ pub struct FrameWriter {
     /// The files, while no thread writes to them.
     files: Option<Files>,
     /// The thread; it starts with the first frame.
-    thread: Option<WriterThread>,
+    thread: Option<Background<Files, Arc<Frame>>>,
 }
 
 /// `frames.bin`, and the formats of other programs that the scene wants.
 struct Files {
     frames: FrameFile,
     formats: LiveFormats,
-}
-
-struct WriterThread {
-    queue: SyncSender<Arc<Frame>>,
-    thread: JoinHandle<(Files, Result<(), Failure>)>,
 }
 
 impl FrameWriter {
@@ -89,11 +83,12 @@ impl FrameWriter {
 
     fn send(&mut self, frame: Arc<Frame>) -> Result<(), Failure> {
         if let Some(files) = self.files.take() {
-            self.thread = Some(WriterThread::start(files)?);
+            let name = files.frames.file.name().to_owned();
+            let thread = Background::start("frames", MAX_WAITING_FRAMES, files, Files::add);
+            self.thread = Some(thread.map_err(|error| failed(name, &error))?);
         }
-        // Sending fails only if the thread has ended with an error, which `close` returns.
-        let is_sent = self.thread.as_ref().is_none_or(|thread| thread.queue.send(frame).is_ok());
-        if is_sent { Ok(()) } else { self.close() }
+        let is_added = self.thread.as_mut().is_none_or(|thread| thread.add(frame));
+        if is_added { Ok(()) } else { self.close() }
     }
 
     /// Blocks until all frames are written.
@@ -101,9 +96,8 @@ impl FrameWriter {
     /// # Errors
     /// If a frame could not be written.
     pub fn close(&mut self) -> Result<(), Failure> {
-        let Some(WriterThread { queue, thread }) = self.thread.take() else { return Ok(()) };
-        drop(queue);
-        let (files, result) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let (files, result) = thread.close();
         self.files = Some(files);
         result
     }
@@ -113,31 +107,17 @@ impl Drop for FrameWriter {
     /// Blocks until all frames are written. An error is ignored, because a run that drops the writer early has already reported
     /// its failure.
     fn drop(&mut self) {
-        if let Some(WriterThread { queue, thread }) = self.thread.take() {
-            drop(queue);
-            let _ = thread.join();
+        if let Some(thread) = self.thread.take() {
+            thread.wait();
         }
     }
 }
 
-impl WriterThread {
-    fn start(files: Files) -> Result<Self, Failure> {
-        let (queue, frames) = sync_channel(MAX_WAITING_FRAMES);
-        let name = files.frames.file.name().to_owned();
-        let thread = std::thread::Builder::new().name("frames".to_owned()).spawn(move || write_all(files, &frames));
-        let thread = thread.map_err(|error| failed(name, &error))?;
-        Ok(Self { queue, thread })
+impl Files {
+    fn add(&mut self, frame: Arc<Frame>) -> Result<(), Failure> {
+        self.frames.add(&frame).map_err(|error| failed(self.frames.file.name().to_owned(), &error))?;
+        self.formats.add(&frame).map_err(|(name, error)| failed(name.to_owned(), &error))
     }
-}
-
-/// Writes frames until the queue is closed.
-fn write_all(mut files: Files, frames: &Receiver<Arc<Frame>>) -> (Files, Result<(), Failure>) {
-    let result = frames.iter().try_for_each(|frame| {
-        let Files { frames, formats } = &mut files;
-        frames.add(&frame).map_err(|error| failed(frames.file.name().to_owned(), &error))?;
-        formats.add(&frame).map_err(|(name, error)| failed(name.to_owned(), &error))
-    });
-    (files, result)
 }
 
 fn failed(path: String, reason: &impl ToString) -> Failure {

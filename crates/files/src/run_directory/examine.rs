@@ -6,6 +6,7 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use crate::own_files;
 use crate::run_directory::in_use;
 use crate::run_directory::kinds::is_odd;
 use crate::run_directory::marker::{Claim, Marker};
@@ -39,13 +40,13 @@ pub(super) fn resolve(path: &Path) -> Result<PathBuf, Fault> {
             .help("give another directory with --out")
     };
     let target = match fs::symlink_metadata(path) {
-        Ok(_) => fs::canonicalize(path).map_err(|error| failed(&error.to_string()))?,
+        Ok(_) => own_files::resolved(path).map_err(|error| failed(&error.to_string()))?,
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let name = path.file_name().ok_or_else(|| failed("it has no name"))?;
             let parent = std::path::absolute(path.parent().unwrap_or(Path::new("")).join("."));
             let parent = parent.map_err(|error| failed(&error.to_string()))?;
             // The part of the path that exists is resolved; the rest will be created.
-            let existing = parent.ancestors().find_map(|part| Some((part, fs::canonicalize(part).ok()?)));
+            let existing = parent.ancestors().find_map(|part| Some((part, own_files::resolved(part).ok()?)));
             let (part, resolved) = existing.ok_or_else(|| failed("it has no parent directory"))?;
             let rest = parent.strip_prefix(part).unwrap_or(Path::new(""));
             if rest.components().any(|part| part.as_os_str() == "..") {
@@ -55,7 +56,7 @@ pub(super) fn resolve(path: &Path) -> Result<PathBuf, Fault> {
         }
         Err(error) => return Err(failed(&error.to_string())),
     };
-    let current = env::current_dir().and_then(fs::canonicalize);
+    let current = env::current_dir().and_then(|path| own_files::resolved(&path));
     if current.is_ok_and(|current| current.starts_with(&target)) {
         return Err(failed("it is or holds the current directory"));
     }

@@ -33,6 +33,11 @@ pub(super) fn declared_in(directory: &Path) -> Vec<String> {
     names.filter(is_name).map(str::to_owned).collect()
 }
 
+/// Returns the number of this process; 0 on a system without processes (WebAssembly).
+pub(super) fn process() -> u32 {
+    if cfg!(target_family = "wasm") { 0 } else { std::process::id() }
+}
+
 /// The locked marker of a directory.
 #[derive(Debug)]
 pub(super) struct Marker(DiskFile);
@@ -90,7 +95,7 @@ impl Marker {
 
     /// Writes the number of this process into the marker, and the files that behaviours declare.
     pub(super) fn sign(&self, files: &[String]) -> io::Result<()> {
-        let mut text = format!("siloflow keeps its results here; process {}\n", std::process::id());
+        let mut text = format!("siloflow keeps its results here; process {}\n", process());
         text.extend(files.iter().flat_map(|name| [DECLARED, name, "\n"]));
         self.0.rewrite(text.as_bytes())
     }

@@ -18,7 +18,7 @@ use crate::disk::{self, remove_if_there};
 #[cfg(unix)]
 use crate::own_files::file_number;
 use crate::run_directory::exchange::{exchange, recover};
-use crate::run_directory::marker::{Claim, MARKER, Marker, declared_in};
+use crate::run_directory::marker::{Claim, MARKER, Marker, declared_in, process};
 use crate::whole_file::PART;
 
 /// Whether siloflow writes a file or directory of this path in a directory. The path counts from the directory.
@@ -51,7 +51,7 @@ impl Stage {
         let mut attempt = 0;
         loop {
             attempt += 1;
-            let path = parent.join(stage_name(name, &format!("{}-{attempt}", std::process::id())));
+            let path = parent.join(stage_name(name, &format!("{}-{attempt}", process())));
             match disk::create_directory(&path).and_then(|()| Marker::create(&path)) {
                 Ok(marker) => return Ok(Self { path, marker, target: target.to_owned(), created }),
                 // Another process took the new directory for a remainder.
@@ -84,7 +84,7 @@ impl Stage {
     fn move_into_place(&self, is_own: IsOwn) -> io::Result<()> {
         match fs::symlink_metadata(&self.target) {
             Err(error) if error.kind() == ErrorKind::NotFound => return disk::rename(&self.path, &self.target),
-            found => fs::set_permissions(&self.path, found?.permissions())?,
+            found => copy_permissions(&found?, &self.path)?,
         }
         if fs::read_dir(&self.target)?.next().is_none() {
             // The rename replaces an empty directory, and fails if the directory is no longer empty.
@@ -122,6 +122,14 @@ impl Stage {
             tracing::warn!("could not remove {}: {error}", self.path.display());
         }
         remove_empty(&self.created);
+    }
+}
+
+/// Gives a directory the permissions of another, where the system has permissions.
+fn copy_permissions(of: &fs::Metadata, to: &Path) -> io::Result<()> {
+    match fs::set_permissions(to, of.permissions()) {
+        Err(error) if error.kind() == ErrorKind::Unsupported => Ok(()),
+        done => done,
     }
 }
 

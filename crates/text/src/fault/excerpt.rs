@@ -64,6 +64,18 @@ impl Excerpt {
     }
 }
 
+impl Excerpt {
+    /// The name of the file.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The number of characters of the place.
+    pub(super) fn width(&self) -> usize {
+        self.text[self.place.clone()].chars().count()
+    }
+}
+
 /// Returns a line from character `from` on, cut to the width, with its control characters escaped.
 fn window(line: &str, from: usize) -> String {
     window_parts(line, from, [line.len(); 2]).concat()

@@ -119,6 +119,13 @@ impl Source {
         parse::explain(self.texts(), error, parsed)
     }
 
+    /// The names of the parameters that are numbers, with their values, in the order of the scene.
+    #[must_use]
+    pub fn numeric_parameters(&self) -> Vec<(String, f64)> {
+        let entries = self.places.get(parameters::KEY).into_iter().flat_map(|section| self.places.entries(section));
+        entries.filter_map(|(name, place)| Some((name.to_owned(), self.text_of(place).parse().ok()?))).collect()
+    }
+
     /// A warning for each parameter that no expression uses.
     #[must_use]
     pub fn unused_parameters(&self) -> Vec<Warning> {
