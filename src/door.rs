@@ -121,6 +121,12 @@ impl DoorState {
         self.progress.iter().filter_map(|door| door.open_time).reduce(f64::min)
     }
 
+    /// How often doors have begun to open or to shut.
+    #[must_use]
+    pub fn turns(&self) -> usize {
+        self.progress.iter().map(|progress| progress.turns).sum()
+    }
+
     /// Whether any door has begun to open, and has not begun to shut.
     #[must_use]
     pub fn is_open(&self) -> bool {

@@ -39,14 +39,19 @@
 //! # Ok::<(), siloflow::text::fault::Fault>(())
 //! ```
 
+// Numbers of a run have the same bits on every machine: see the module `math` of the kernel.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod assembly;
 pub mod behaviour;
+#[allow(clippy::disallowed_methods, reason = "figures of commands are no input of a run")]
 pub mod cli;
 pub mod door;
 pub mod ending;
 pub mod energy;
 pub mod grain_requests;
 pub mod grains;
+#[allow(clippy::disallowed_methods, reason = "another program computes with its numbers")]
 pub mod lammps;
 pub mod lattice_silo;
 pub mod ledger;
@@ -57,6 +62,7 @@ pub mod random;
 pub mod rest;
 pub mod scene;
 pub mod simulation;
+#[allow(clippy::disallowed_methods, reason = "they judge results of runs")]
 pub mod studies;
 pub mod writers;
 

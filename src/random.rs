@@ -7,6 +7,8 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 
+use siloflow_dem::math;
+
 /// A named stream of random numbers of the scene's seed.
 #[derive(Clone, Debug)]
 pub struct Stream {
@@ -46,14 +48,14 @@ impl Stream {
         let mut generator = self.generator(counter);
         std::array::from_fn(|_| {
             let [u, v] = [unit(generator.next_u64()), unit(generator.next_u64())];
-            (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+            (-2.0 * math::ln(1.0 - u)).sqrt() * math::cos(std::f64::consts::TAU * v)
         })
     }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "53 bits fit exactly")]
 fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 * (-53f64).exp2()
+    (bits >> 11) as f64 * math::exp2(-53.0)
 }
 
 #[cfg(test)]

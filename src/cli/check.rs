@@ -46,7 +46,7 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<ExitStatus,
     let _signals = Signals::catch();
     let scene = args.scene.load()?;
     let budget = Budget::of(Duration::try_from_secs_f64(args.patience).unwrap_or(Duration::MAX));
-    let Findings { estimates, warnings } = examine(&scene, registry, &budget)?;
+    let Findings { estimates, warnings, .. } = examine(&scene, registry, &budget)?;
     let mut text = format!("{}: the input is valid\n{estimates}", scene.source().name);
     // Writing to a string cannot fail.
     for warning in &warnings {
@@ -72,6 +72,10 @@ pub struct Findings {
     pub estimates: String,
     /// Expected trouble.
     pub warnings: Vec<Warning>,
+    /// Most spheres or discs in a step: of grains, released ones too, and of walls; or sites of the lattice gas.
+    pub bodies: usize,
+    /// Bytes of all outputs up to `until`, or in the first million steps; 0 if the step is not known.
+    pub bytes: f64,
 }
 
 /// Examines a scene as the command `check` does.
@@ -80,19 +84,33 @@ pub struct Findings {
 /// If the scene cannot be run.
 pub fn examine(scene: &AnyScene, registry: &Registry, budget: &Budget) -> Result<Findings, Fault> {
     let mut estimates = String::new();
-    let warnings = match scene {
+    let bytes = |outputs: &[Output], steps: f64| volume::total(outputs, steps.min(volume::HORIZON)).bytes;
+    Ok(match scene {
         AnyScene::Grains(loaded) => {
             Simulation::new(loaded, registry, ONE_THREAD)?;
             describe(loaded, &mut estimates);
-            check::warnings_within(loaded, budget)
+            let until = loaded.scene.until.get();
+            Findings {
+                estimates,
+                warnings: check::warnings_within(loaded, budget),
+                bodies: expected::shapes(loaded),
+                bytes: expected::known_step(loaded)
+                    .map_or(0.0, |dt| bytes(&expected::outputs(loaded, dt), until / dt)),
+            }
         }
         AnyScene::Lattice(loaded) => {
             Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
             describe_lattice(loaded, &mut estimates);
-            lattice_silo::check::warnings(loaded)
+            #[expect(clippy::cast_precision_loss, reason = "a number of steps")]
+            let steps = loaded.scene.until as f64;
+            Findings {
+                estimates,
+                warnings: lattice_silo::check::warnings(loaded),
+                bodies: loaded.sites.fluid_count(),
+                bytes: bytes(&lattice_silo::limits::outputs(loaded), steps),
+            }
         }
-    };
-    Ok(Findings { estimates, warnings })
+    })
 }
 
 /// Adds a line for each mesh. An edge of one triangle alone is the rim of an opening, or a gap.

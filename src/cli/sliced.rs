@@ -99,6 +99,12 @@ impl SlicedRun {
         &self.scene
     }
 
+    /// The world between two slices, with components that may be out of date.
+    #[must_use]
+    pub fn present(&self) -> &World {
+        self.prepared.simulation.world()
+    }
+
     /// The world between two slices, with all components as they are. It is to be read: numbers of grains that are changed here do not count.
     pub fn world(&mut self) -> &mut World {
         self.prepared.simulation.own_world()

@@ -11,6 +11,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::grain_requests::request::{NewGrain, Piece, Request};
 use crate::grains::mass::MassLaw;
 use crate::ledger::Ledger;
+use siloflow_dem::math;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::{Linear, Space};
 use siloflow_dem::store::ParticleStore;
@@ -254,7 +255,7 @@ impl<'a, V: Space> Resolver<'a, V> {
         });
         let default = || {
             let whole: f64 = all().map(|row| size::<V>(store.body[row].radius)).sum();
-            if V::COUNT == 2 { whole.sqrt() } else { whole.cbrt() }
+            if V::COUNT == 2 { whole.sqrt() } else { math::cbrt(whole) }
         };
         let radius = positive("radius", radius.unwrap_or_else(default))?;
         let position = store.body[first].position + middle;

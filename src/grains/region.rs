@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use siloflow_dem::math;
 use siloflow_dem::space::Solid;
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
 
@@ -50,7 +51,7 @@ impl Region {
         match *self {
             Self::Box { low, high } => low.padded() + (high.padded() - low.padded()) * Solid::from(u),
             Self::Disc { centre, radius, height } => {
-                let (sin, cos) = (TAU * u[1]).sin_cos();
+                let (sin, cos) = math::sincos(TAU * u[1]);
                 let r = radius.get() * u[0].sqrt();
                 centre.padded() + Solid::new(r * cos, r * sin, u[2] * height.map_or(0.0, NonNegative::get))
             }

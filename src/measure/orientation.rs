@@ -11,6 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use siloflow_dem::bodies::symmetric::Symmetric;
+use siloflow_dem::math;
 use siloflow_dem::space::{Solid, Space};
 
 /// Returns the unit vector upwards, in `gravity`, m/s^2.
@@ -23,7 +24,7 @@ pub fn vertical<V: Space>(gravity: V) -> V {
 /// Returns the inclination of a director, rad.
 #[must_use]
 pub fn inclination<V: Space>(director: V, vertical: V) -> f64 {
-    director.dot(vertical).abs().min(1.0).acos()
+    math::acos(director.dot(vertical).abs().min(1.0))
 }
 
 /// Sums over directors.

@@ -21,6 +21,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::orientation::{DirectorSums, MeanOrientation};
+use siloflow_dem::math;
 use siloflow_dem::particle::Species;
 use siloflow_dem::persist::Problem;
 use siloflow_dem::space::{Dimension, Space};
@@ -127,7 +128,7 @@ fn below(dimension: Dimension, radius: f64, h: f64) -> f64 {
     let h = h.clamp(-radius, radius);
     match dimension {
         Dimension::Plane => {
-            radius * radius * (0.5 * PI + (h / radius).asin()) + h * (radius * radius - h * h).max(0.0).sqrt()
+            radius * radius * (0.5 * PI + math::asin(h / radius)) + h * (radius * radius - h * h).max(0.0).sqrt()
         }
         Dimension::Solid => PI * (2.0 / 3.0 * radius.powi(3) + radius * radius * h - h.powi(3) / 3.0),
     }

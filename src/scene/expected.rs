@@ -17,6 +17,7 @@ use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::scene::view;
 use crate::writers::volume::Output;
+use siloflow_dem::math;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::values::Positive;
 use siloflow_figures::svg;
@@ -192,7 +193,7 @@ impl Loaded {
 /// Returns the largest number of the form 1, 2 or 5 times a power of ten of which at least [`FREE_FRAMES`] fit into a time.
 fn nice_part(time: f64) -> f64 {
     let part = time / FREE_FRAMES;
-    let power = 10f64.powf(part.log10().floor());
+    let power = math::pow(10.0, math::log10(part).floor());
     // Rounding may not leave out the part itself.
     let most = part * (1.0 + 1e-9);
     let nice = [5.0, 2.0, 1.0].map(|digit| digit * power).into_iter().find(|it| *it <= most).unwrap_or(power);

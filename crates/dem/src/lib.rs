@@ -4,6 +4,9 @@
 //!
 //! Begin with [`step`] for the phases of a step, [`store`] for the numbers, [`contact`] for a law, [`walls`] for a shape.
 
+// Numbers of a run have the same bits on every machine: see the module `math` of the kernel.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod added_loads;
 pub mod bodies;
 pub mod budget;
@@ -13,6 +16,7 @@ pub mod engine;
 pub mod gravity;
 pub mod instruction_set;
 pub mod integrate;
+pub mod math;
 pub mod messages;
 pub mod neighbours;
 pub mod outcome;

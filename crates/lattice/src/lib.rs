@@ -3,6 +3,9 @@
 //!
 //! Begin with [`sites`] and [`gas`], then [`rules`].
 
+// Numbers of a run have the same bits on every machine: see the module `math` of the kernel.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod bands;
 pub mod collide;
 pub mod collisions;

@@ -1,5 +1,6 @@
 //! Polygons for the outline of a silo and its inserts: point-in-polygon test and nearest edge.
 
+use siloflow_dem::math;
 use siloflow_dem::space::Vector;
 
 /// A closed polygon: its corners in order, clockwise or anticlockwise, m.
@@ -69,7 +70,7 @@ pub fn distance(x: Vector, (a, b): (Vector, Vector)) -> f64 {
 #[must_use]
 pub fn nearest_tangent(x: Vector, edges: &[(Vector, Vector)]) -> f64 {
     let nearest = edges.iter().min_by(|&&a, &&b| distance(x, a).total_cmp(&distance(x, b)));
-    nearest.map_or(0.0, |&(a, b)| (b - a).to_angle().to_degrees())
+    nearest.map_or(0.0, |&(a, b)| math::atan2((b - a).y, (b - a).x).to_degrees())
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@
 //!
 //! Bit i of a *state* is set if there is a particle with velocity i. The *movers* of a state are its bits 1 to 12.
 
+use siloflow_dem::math;
+
 /// Steps (dX, dY) of directions 0 to 12.
 pub const STEPS: [(i32, i32); 13] =
     [(0, 0), (0, 2), (1, 1), (1, -1), (0, -2), (-1, -1), (-1, 1), (1, 3), (2, 0), (1, -3), (-1, -3), (-2, 0), (-1, 3)];
@@ -47,7 +49,7 @@ pub fn in_bonds((dx, dy): (i32, i32)) -> (f64, f64) {
 #[must_use]
 pub fn angle(direction: usize) -> f64 {
     let (x, y) = in_bonds(STEPS[direction]);
-    y.atan2(x).to_degrees()
+    math::atan2(y, x).to_degrees()
 }
 
 /// Returns the sum (X, Y) of the velocities of a state.

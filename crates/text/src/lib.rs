@@ -3,6 +3,9 @@
 //!
 //! Begin with [`fault`], then [`source::Source`].
 
+// Numbers of a run have the same bits on every machine: see the module `math` of the kernel.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod encoding;
 pub mod fault;
 pub mod file;

@@ -11,6 +11,7 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::file::{ALWAYS, GrainRow, Kind, SHAPE, SOLID, SPIN};
 use crate::grains::shaped::{Posture, ShapeFacts};
 use siloflow_dem::bodies::Shape;
+use siloflow_dem::math;
 use siloflow_dem::particle::{GrainId, Species};
 use siloflow_dem::space::{Quaternion, Rotor, Solid};
 use siloflow_text::encoding::MARK;
@@ -232,7 +233,8 @@ impl Line<'_> {
             <Quaternion as Rotor<Solid>>::normalised(rotor)
                 .ok_or_else(|| self.defect("grain_file::value", "qw", message()))?
         } else {
-            Quaternion::from_rotation_z(any("angle")?)
+            let (sine, cosine) = math::sincos(0.5 * any("angle")?);
+            Quaternion::from_xyzw(0.0, 0.0, sine, cosine)
         };
         Ok((radius, Some(Posture { shape, rotor: described * facts.axes, reach: facts.reach_of(radius) })))
     }

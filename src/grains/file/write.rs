@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 
 use crate::grains::file::{self, GrainRow};
 use crate::grains::grain_snapshot;
+use siloflow_dem::math;
 use siloflow_dem::space::{Dimension, Linear, Quaternion, Rotor, Solid, Space};
 use siloflow_dem::store::ParticleStore;
 use siloflow_files::columns::Cell::{Empty, Plain, Text, Whole};
@@ -48,7 +49,7 @@ const ORIENTATION: &str = "orientation of the shape as the scene describes it, e
 /// The columns of shapes, which follow if the scene has shapes.
 pub(crate) const SHAPES: &[Column<Option<ShapeCells>>] = &[
     Column::new("shape", "", NAME, |shape| shape.as_ref().map_or(Empty, |shape| Text(&shape.name))),
-    Column::planar("angle", "rad", ORIENTATION, |shape| of(shape.as_ref(), |q| 2.0 * q.z.atan2(q.w))),
+    Column::planar("angle", "rad", ORIENTATION, |shape| of(shape.as_ref(), |q| 2.0 * math::atan2(q.z, q.w))),
     Column::solid("qw", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.w)),
     Column::solid("qx", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.x)),
     Column::solid("qy", "", ORIENTATION, |shape| of(shape.as_ref(), |q| q.y)),

@@ -12,6 +12,8 @@
 use super::density::onset_density;
 use super::{BLOCK_HEIGHT, Blocks, Frame, History, finite, mean, real};
 
+use siloflow_dem::math;
+
 /// Range of the share of particles out, in which the surface is measured.
 const DISCHARGED: (f64, f64) = (0.15, 0.25);
 
@@ -56,7 +58,7 @@ pub(super) fn surface_level(blocks: &Blocks, density: &[f64], threshold: f64) ->
 #[must_use]
 pub fn inclination(history: &History) -> Option<f64> {
     let slope = surface_mean(history, slope)?;
-    finite(slope.atan().to_degrees())
+    finite(math::atan(slope).to_degrees())
 }
 
 /// Returns the dip of the surface over the outlet, spacings: the mean of y_s over the columns with |x| > 45 minus its

@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use siloflow_dem::math;
+
 /// Nodes on (-1, 1) and their weights, whose sum is 2 (Abramowitz and Stegun, table 25.4).
 const LEGENDRE: [(f64, f64); 6] = [
     (-0.932_469_514_203_152, 0.171_324_492_379_170_4),
@@ -19,7 +21,7 @@ const LEGENDRE: [(f64, f64); 6] = [
 /// Returns the normal density of standard deviation `width` at `x`.
 pub(super) fn density(width: f64, x: f64) -> f64 {
     let x = x / width;
-    (-0.5 * x * x).exp() / (width * (2.0 * PI).sqrt())
+    math::exp(-0.5 * x * x) / (width * (2.0 * PI).sqrt())
 }
 
 /// Returns the number of parts of a line of this length, m.

@@ -12,6 +12,7 @@
 //! | `director` | | unit vector along a long grain, across a flat one; zero if no direction stands out |
 
 use super::{column, id_number, vectors};
+use siloflow_dem::math;
 use siloflow_dem::space::{Dimension, Linear, Rotor, Space};
 use siloflow_dem::store::ParticleStore;
 use siloflow_files::frames::{Table, Values};
@@ -49,7 +50,9 @@ pub(super) fn table<V: Space>(store: &ParticleStore<V>) -> Table {
         column("spin", "rad/s", V::Spin::COUNT, vectors(rows().map(|row| store.spin(row)))),
     ];
     match V::DIMENSION {
-        Dimension::Plane => columns.push(column("angle", "rad", 1, of_rotor(|rotor| 2.0 * rotor.z.atan2(rotor.w)))),
+        Dimension::Plane => {
+            columns.push(column("angle", "rad", 1, of_rotor(|rotor| 2.0 * math::atan2(rotor.z, rotor.w))))
+        }
         Dimension::Solid => columns.extend([
             column("qw", "", 1, of_rotor(|rotor| rotor.w)),
             column("qx", "", 1, of_rotor(|rotor| rotor.x)),

@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::SystemParam;
+use bevy_ecs::system::{RunSystemOnce as _, SystemParam};
 
 use self::writer::FrameWriter;
 use crate::ledger::Ledger;
@@ -303,6 +303,15 @@ pub fn header<V: Space>(loaded: &Loaded, config: &DataFrames, world: &World) -> 
         walls,
         columns: BehaviourOutputs::of_grains(world).iter().map(registered).collect(),
     }
+}
+
+/// Returns a frame of the present state with all columns, of a scene with this header.
+///
+/// # Errors
+/// If a system cannot run on this world.
+pub fn frame_of_world<V: Space>(header: &Header, contacts: bool, world: &mut World) -> Result<Frame, String> {
+    let content = Content::new(header, contacts, true, true);
+    world.run_system_once(move |observed: Observed<V>| observed.frame(&content)).map_err(|error| error.to_string())
 }
 
 fn registered(column: &GrainColumn) -> RegisteredColumn {

@@ -3,6 +3,7 @@
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::scene::view;
+use siloflow_dem::math;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::values::{Finite, Positive};
 use siloflow_results::pictures::style::{Colouring, Style};
@@ -25,7 +26,7 @@ pub fn style(loaded: &Loaded, pictures: &Pictures) -> Style {
     let interval = intervals.into_iter().flatten().fold(f64::INFINITY, f64::min);
     // Enough decimals to distinguish the times of successive pictures.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let decimals = (1.0 - interval.log10().floor()).clamp(2.0, 9.0) as usize;
+    let decimals = (1.0 - math::log10(interval).floor()).clamp(2.0, 9.0) as usize;
     Style {
         width: pictures.width.get(),
         colour: colouring(&pictures.colour),

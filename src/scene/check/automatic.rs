@@ -32,6 +32,7 @@
 use crate::scene::check::quantities::Estimates;
 use siloflow_dem::contact::Contact;
 use siloflow_dem::integrate::Integrator;
+use siloflow_dem::math;
 
 /// Time of a step of `Centred` over that of a step of `Verlet`.
 const COST_OF_CENTRED: f64 = 1.2;
@@ -106,7 +107,7 @@ fn factors(estimates: &Estimates) -> (f64, f64) {
 
 /// Rounds down to two digits.
 fn rounded_down(x: f64) -> f64 {
-    let unit = 10f64.powf(x.log10().floor() - 1.0);
+    let unit = math::pow(10.0, math::log10(x).floor() - 1.0);
     // Without this, 4.7e-5 would be rounded to 4.6e-5.
     (x / unit + 1e-9).floor() * unit
 }

@@ -4,6 +4,7 @@
 
 use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
+use siloflow_dem::math;
 use siloflow_dem::space::{Dimension, Solid};
 use siloflow_dem::values::{Finite, Positive};
 use siloflow_dem::walls::config::Wall;
@@ -55,7 +56,7 @@ fn contacts(loaded: &Loaded, wall: &Wall, radius: f64) -> f64 {
     let mut sides = (high - low).to_array();
     sides.sort_by(f64::total_cmp);
     let [_, short, long] = sides.map(|side| (0.5 * side / radius).max(1.0));
-    if loaded.scene.space == Dimension::Plane { short.hypot(long) } else { short * long }
+    if loaded.scene.space == Dimension::Plane { math::hypot(short, long) } else { short * long }
 }
 
 /// Meters of way per unit of the coordinate: 1, or the longest lever about the axis of a hinge, m; `None` for a hinge whose walls have no ends.

@@ -25,6 +25,7 @@ use crate::scene::check::step;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::contact::{AnyLaw, Bounce};
 use siloflow_dem::integrate::Integrator;
+use siloflow_dem::math;
 use siloflow_dem::space::{Dimension, Plane};
 use siloflow_dem::walls::config::shape::WallShape;
 
@@ -112,7 +113,7 @@ impl SpeciesPair {
         let deepest = |speed: f64| pair.law.0.deepest(&Bounce { speed, ..pair.bounce });
         let [slow, fast] = [1.0, 2.0].map(deepest);
         // Without adhesion the deepest overlap is a power of the speed.
-        let speed = (overlap / slow).powf(1.0 / (fast / slow).log2());
+        let speed = math::pow(overlap / slow, 1.0 / math::log2(fast / slow));
         let is_power = (deepest(speed) / overlap - 1.0).abs() < 1e-6;
         pair.bounce.speed = if is_power { speed } else { speed_to_reach(overlap, deepest) };
         pair.modes = pair.law.0.modes(&pair.bounce);

@@ -11,6 +11,7 @@
 //! [`crate::scene::check::crowd`] has the limits of several contacts.
 
 use siloflow_dem::integrate::Integrator;
+use siloflow_dem::math;
 
 /// Largest stable step of a single contact, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a reduced mass
 /// (kg).
@@ -20,7 +21,7 @@ pub fn limit(scheme: Integrator, k: f64, c: f64, mass: f64) -> f64 {
     let beta = 0.5 * c / mass;
     match scheme {
         // This form also holds without a spring or without drag.
-        Integrator::Verlet | Integrator::SymplecticEuler => 2.0 / (w0.hypot(beta) + beta),
+        Integrator::Verlet | Integrator::SymplecticEuler => 2.0 / (math::hypot(w0, beta) + beta),
         Integrator::Centred => 1.0 / (0.5 * w0).max(beta),
         Integrator::ExplicitEuler if beta < w0 => 2.0 * beta / (w0 * w0),
         Integrator::ExplicitEuler => 2.0 / (beta + (beta * beta - w0 * w0).sqrt()),

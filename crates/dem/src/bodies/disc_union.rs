@@ -9,6 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
+use crate::math;
 use crate::space::{Linear, Plane};
 
 /// A disc: its centre and its radius, m.
@@ -68,8 +69,8 @@ fn cover(disc: &Disc, other: &Disc, other_is_later: bool) -> Cover {
     }
     let cosine = (distance * distance + disc.radius * disc.radius - other.radius * other.radius)
         / (2.0 * distance * disc.radius);
-    let half = cosine.clamp(-1.0, 1.0).acos();
-    let middle = to_other.y.atan2(to_other.x);
+    let half = math::acos(cosine.clamp(-1.0, 1.0));
+    let middle = math::atan2(to_other.y, to_other.x);
     Cover::Part(Arc { from: middle - half, to: middle + half })
 }
 
@@ -111,7 +112,7 @@ fn add_piece(disc: &Disc, arc: Arc, sum: &mut AreaMoments) {
     let middle = 0.5 * (arc.from + arc.to);
     let half = 0.5 * (arc.to - arc.from);
     for [node, weight] in GAUSS.into_iter().flat_map(|[node, weight]| [[-node, weight], [node, weight]]) {
-        let outward = Plane::from_angle(middle + node * half);
+        let outward = math::direction(middle + node * half);
         let at = disc.centre + outward * disc.radius;
         let length = weight * half * disc.radius;
         // dx = -r sin(angle), dy = r cos(angle) per angle.

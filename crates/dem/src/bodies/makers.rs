@@ -6,6 +6,8 @@
 //! A sphere in an ellipsoid of half-length a and half-width b, with its centre at x on the axis, touches the surface with the radius
 //! b sqrt(1 - x^2/(a^2 - b^2)), up to x = (a^2 - b^2)/a. There it touches the tip, with its radius of curvature b^2/a.
 
+use crate::math;
+
 /// A sphere of a chain: its place along the axis from the middle, and its radius, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
@@ -138,14 +140,15 @@ impl Profile {
         let mut largest = 0.0_f64;
         let [mut squares, mut total] = [0.0; 2];
         let point = |number: u32| {
-            let x = -half_length * (std::f64::consts::PI * f64::from(number) / f64::from(SAMPLES)).cos();
+            let x = -half_length * math::cos(std::f64::consts::PI * f64::from(number) / f64::from(SAMPLES));
             [x, self.half_width(x)]
         };
         for number in 0..SAMPLES {
             let [from, to] = [point(number), point(number + 1)];
             let [x, y] = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
-            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-            let outside = links.iter().map(|link| (x - link.x).hypot(y) - link.radius).fold(f64::INFINITY, f64::min);
+            let length = math::hypot(to[0] - from[0], to[1] - from[1]);
+            let outside =
+                links.iter().map(|link| math::hypot(x - link.x, y) - link.radius).fold(f64::INFINITY, f64::min);
             largest = largest.max(outside.abs());
             squares += outside * outside * length;
             total += length;

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::disc_union::{self, Disc};
 use crate::bodies::sphere_union::{self, Ball};
 use crate::bodies::symmetric::Symmetric;
+use crate::math;
 use crate::space::{Dimension, Linear, Plane, Rotor, Solid, Space};
 
 /// The number of a grain's shape in the scene's list of shapes. A grain without it is a sphere (disc). It counts when the grain enters, and a grain
@@ -256,7 +257,7 @@ impl<V: Space> RigidShape<V> {
     pub fn equivalent_radius(&self) -> f64 {
         match V::DIMENSION {
             Dimension::Plane => (self.size / std::f64::consts::PI).sqrt(),
-            Dimension::Solid => (self.size * 0.75 / std::f64::consts::PI).cbrt(),
+            Dimension::Solid => math::cbrt(self.size * 0.75 / std::f64::consts::PI),
         }
     }
 

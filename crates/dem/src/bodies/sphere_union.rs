@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::bodies::disc_union::{Disc, GAUSS, moments as area_moments};
 use crate::bodies::symmetric::Symmetric;
+use crate::math;
 use crate::space::{Plane, Solid};
 
 /// A sphere: its centre and its radius, m.
@@ -57,8 +58,8 @@ fn gauss(balls: &[Ball], [low, high]: [f64; 2], [from, to]: [f64; 2]) -> Integra
     let mut sum = [0.0; 10];
     for [node, weight] in GAUSS.into_iter().flat_map(|[node, weight]| [[-node, weight], [node, weight]]) {
         let angle = middle + node * half;
-        let z = 0.5 * (low + high) + 0.5 * (high - low) * angle.sin();
-        let width = weight * half * 0.5 * (high - low) * angle.cos();
+        let z = 0.5 * (low + high) + 0.5 * (high - low) * math::sin(angle);
+        let width = weight * half * 0.5 * (high - low) * math::cos(angle);
         for (sum, number) in sum.iter_mut().zip(section(balls, z)) {
             *sum += width * number;
         }

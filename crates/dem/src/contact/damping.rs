@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use crate::math;
 use crate::values::{NonNegative, Restitution};
 
 /// The dashpot coefficient c of the normal force `k delta - c v_n`, in N s/m.
@@ -82,7 +83,7 @@ impl Attraction {
     pub fn restitution(self, zeta: f64) -> f64 {
         match self {
             Self::Allowed if zeta >= 1.0 => 0.0,
-            Self::Allowed => (-PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(),
+            Self::Allowed => math::exp(-PI * zeta / (1.0 - zeta * zeta).sqrt()),
             Self::Forbidden => restitution_without_attraction(zeta),
         }
     }
@@ -95,8 +96,8 @@ impl Attraction {
             Self::Allowed if zeta >= 1.0 => f64::INFINITY,
             Self::Allowed => PI / root,
             Self::Forbidden if root < 1e-6 => 2.0,
-            Self::Forbidden if zeta < 1.0 => (PI - 2.0 * zeta.asin()) / root,
-            Self::Forbidden => 2.0 * (zeta + root).ln() / root,
+            Self::Forbidden if zeta < 1.0 => (PI - 2.0 * math::asin(zeta)) / root,
+            Self::Forbidden => 2.0 * math::ln(zeta + root) / root,
         }
     }
 
@@ -105,7 +106,7 @@ impl Attraction {
     pub fn damping_ratio(self, e: Restitution) -> f64 {
         let e = e.get();
         match self {
-            Self::Allowed => -e.ln() / (PI * PI + e.ln().powi(2)).sqrt(),
+            Self::Allowed => -math::ln(e) / (PI * PI + math::ln(e).powi(2)).sqrt(),
             Self::Forbidden if e >= 1.0 => 0.0,
             Self::Forbidden => bisect(e),
         }
@@ -116,11 +117,14 @@ impl Attraction {
 fn restitution_without_attraction(zeta: f64) -> f64 {
     let root = (1.0 - zeta * zeta).abs().sqrt();
     if root < 1e-6 {
-        return (-2.0f64).exp();
+        return math::exp(-2.0);
     }
-    let exponent =
-        if zeta < 1.0 { zeta / root * (PI - 2.0 * zeta.asin()) } else { 2.0 * zeta / root * (zeta + root).ln() };
-    (-exponent).exp()
+    let exponent = if zeta < 1.0 {
+        zeta / root * (PI - 2.0 * math::asin(zeta))
+    } else {
+        2.0 * zeta / root * math::ln(zeta + root)
+    };
+    math::exp(-exponent)
 }
 
 /// Returns the zeta that gives restitution `e` without attraction. Bisection, because e(zeta) falls monotonically.

@@ -23,6 +23,7 @@ use crate::contact::damping::Attraction;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::tangential::Modulus;
+use crate::math;
 use crate::space::Space;
 use crate::values::{NonNegative, PoissonRatio, Positive, Restitution};
 
@@ -129,7 +130,7 @@ impl Normal for Hertz {
 
     fn deepest(&self, bounce: &Bounce) -> f64 {
         let k = 4.0 / 3.0 * self.modulus * bounce.reduced_radius.sqrt();
-        (1.25 * bounce.reduced_mass * bounce.speed.powi(2) / k).powf(0.4)
+        math::pow(1.25 * bounce.reduced_mass * bounce.speed.powi(2) / k, 0.4)
     }
 
     fn contact_duration(&self, bounce: &Bounce) -> f64 {

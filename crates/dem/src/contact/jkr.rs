@@ -32,6 +32,7 @@ use crate::contact::hertz::Material;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::tangential::Modulus;
+use crate::math;
 use crate::space::Space;
 use crate::values::{Positive, Restitution};
 
@@ -63,7 +64,7 @@ impl Jkr {
         Self {
             modulus,
             tension,
-            touch: (2.0 * tension / modulus).cbrt(),
+            touch: math::cbrt(2.0 * tension / modulus),
             ratio: (5.0f64 / 6.0).sqrt() * attraction.damping_ratio(restitution),
             floor: attraction.floor(),
         }
@@ -72,7 +73,7 @@ impl Jkr {
     /// Returns a_0, m.
     #[inline(always)]
     fn touching_radius(&self, reduced_radius: f64) -> f64 {
-        let root = reduced_radius.cbrt();
+        let root = math::cbrt(reduced_radius);
         self.touch * root * root
     }
 
@@ -118,7 +119,7 @@ impl Jkr {
         let a0 = self.touching_radius(bounce.reduced_radius);
         let energy = 0.5 * bounce.reduced_mass * bounce.speed.powi(2);
         // The energy falls from touch to the equilibrium at y^3 = 3/2 and grows from there on.
-        let mut low = 1.5f64.cbrt();
+        let mut low = math::cbrt(1.5);
         let mut high = 2.0;
         while Self::stored([high, a0], self.tension) < energy {
             high *= 2.0;
@@ -153,7 +154,7 @@ fn solve(d: f64) -> f64 {
     // The real root m of the resolvent m^3 + d m = 1/8, with which y = (sqrt(2 m) + sqrt(sqrt(2/m) - 2 m))/2.
     let third = d / 3.0;
     let root = (third * third * third + 1.0 / 256.0).max(0.0).sqrt();
-    let u = (0.0625 + root).cbrt();
+    let u = math::cbrt(0.0625 + root);
     let other = third / u;
     // u - other, which cancels at large d, where the difference of the cubes, 1/8, gives it.
     let m = if d > 1e4 { 0.125 / (u * u + third + other * other) } else { u - other };

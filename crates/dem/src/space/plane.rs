@@ -1,5 +1,6 @@
 //! The plane: vectors of two components, spins of one component.
 
+use crate::math;
 use crate::space::{Dimension, Linear, Plane, Solid, Space, mix};
 
 impl Linear for Plane {
@@ -79,7 +80,7 @@ impl Space for Plane {
     }
 
     fn direction(number: u32) -> Self {
-        Self::from_angle(f64::from(number))
+        math::direction(f64::from(number))
     }
 
     fn any_perpendicular(self) -> Self {

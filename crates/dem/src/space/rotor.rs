@@ -24,6 +24,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
 
+use crate::math;
 use crate::space::{Linear, Plane, Solid, Space};
 
 /// An orientation: turns vectors of a body into vectors of space.
@@ -181,7 +182,7 @@ impl Rotor<Plane> for Plane {
     }
 
     fn from_uniform([turn, ..]: [f64; 3]) -> Self {
-        Self::from_angle(turn * std::f64::consts::TAU)
+        math::direction(turn * std::f64::consts::TAU)
     }
 }
 
@@ -376,7 +377,7 @@ impl Rotor<Solid> for Quaternion {
     fn from_uniform([first, second, third]: [f64; 3]) -> Self {
         // Shoemake, Graphics Gems III, 1992.
         let [low, high] = [(1.0 - first).sqrt(), first.sqrt()];
-        let [one, two] = [second, third].map(|turn| Plane::from_angle(turn * std::f64::consts::TAU));
+        let [one, two] = [second, third].map(|turn| math::direction(turn * std::f64::consts::TAU));
         Self::from_xyzw(low * one.y, low * one.x, high * two.y, high * two.x)
     }
 }

@@ -1,5 +1,6 @@
 //! Solid space: vectors and spins of three components.
 
+use crate::math;
 use crate::space::{Dimension, Linear, Plane, Quaternion, Solid, Space, mix};
 
 impl Linear for Solid {
@@ -81,7 +82,7 @@ impl Space for Solid {
     fn direction(number: u32) -> Self {
         // Polar angle and height of a point on the unit sphere, from the two halves of the number.
         let height = 2.0 * f64::from(number >> 16) / 65_535.0 - 1.0;
-        let around = Plane::from_angle(f64::from(number & 0xFFFF)) * (1.0 - height * height).max(0.0).sqrt();
+        let around = math::direction(f64::from(number & 0xFFFF)) * (1.0 - height * height).max(0.0).sqrt();
         around.extend(height)
     }
 

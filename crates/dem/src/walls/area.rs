@@ -7,6 +7,7 @@
 
 use std::f64::consts::PI;
 
+use crate::math;
 use crate::space::Space;
 use crate::walls::clip::{area, clip};
 use crate::walls::shapes::revolution::Axis;
@@ -39,7 +40,7 @@ pub(super) fn clipped_area<V: Space>(corners: &[V], low: f64, high: f64) -> f64 
 /// Returns the area between two heights of the surface that the line through `profile`, points (r, z), makes about an axis.
 pub(super) fn strips_area<V: Space>(axis: &Axis<V>, profile: &[[f64; 2]], low: f64, high: f64) -> f64 {
     // The chord of a strip is shorter than its arc.
-    let stretch = (PI / f64::from(STRIPS)) / (PI / f64::from(STRIPS)).sin();
+    let stretch = (PI / f64::from(STRIPS)) / math::sin(PI / f64::from(STRIPS));
     let piece = |from: [f64; 2], to: [f64; 2], n: u32| {
         let [[a, d], [b, c]] = [n, n + 1].map(|n| axis.turned([from, to], n, STRIPS));
         clipped_area(&[a, b, c, d], low, high)

@@ -14,6 +14,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::math;
 use crate::space::Solid;
 
 /// The fineness of a drawing, and the part of space for which it is made.
@@ -80,7 +81,7 @@ impl Drawing {
         let height = count(profile.len());
         for sector in 0..sectors {
             let angle = TAU * f64::from(sector) / f64::from(sectors);
-            let outwards = first * angle.cos() + second * angle.sin();
+            let outwards = first * math::cos(angle) + second * math::sin(angle);
             points.extend(profile.iter().map(|[r, z]| base + axis * *z + outwards * *r));
             let [a, b] = [height * sector, height * ((sector + 1) % sectors)];
             for (place, ends) in (0..).zip(profile.windows(2)) {

@@ -3,6 +3,7 @@
 //! x -> a + Q (x - a) + s, with Q the rotation by an angle phi about the unit vector n (Rodrigues):
 //! Q v = v + sin(phi) n x v + (1 - cos(phi)) n x (n x v).
 
+use crate::math;
 use crate::space::{Linear, Space};
 
 /// A rotation about a point, and a shift.
@@ -47,7 +48,7 @@ impl<V: Space> Pose<V> {
 
 /// Returns `v` turned by an angle (rad) about a unit vector.
 fn turned<V: Space>(v: V, axis: V::Spin, angle: f64) -> V {
-    let (sine, cosine) = angle.sin_cos();
+    let (sine, cosine) = math::sincos(angle);
     let across = v.turned_by(axis);
     v + across * sine + across.turned_by(axis) * (1.0 - cosine)
 }

@@ -10,6 +10,7 @@ mod ears;
 use std::ops::ControlFlow;
 
 use self::ears::{STRAIGHT, Straight, clip};
+use crate::math;
 use crate::space::Solid;
 use crate::walls::box_tree::BoxTree;
 
@@ -141,7 +142,7 @@ fn crosses_itself(points: &[Solid], up: Solid) -> bool {
         let way = [b[0] - a[0], b[1] - a[1]];
         let to = [x[0] - a[0], x[1] - a[1]];
         let area = way[0] * to[1] - way[1] * to[0];
-        let rounding = STRAIGHT * way[0].hypot(way[1]) * to[0].hypot(to[1]);
+        let rounding = STRAIGHT * math::hypot(way[0], way[1]) * math::hypot(to[0], to[1]);
         if area.abs() <= rounding { 0.0 } else { area.signum() }
     };
     let parts = |line: [[f64; 2]; 2], [a, b]: [[f64; 2]; 2]| side(line, a) * side(line, b) < 0.0;

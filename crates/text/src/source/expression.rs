@@ -116,7 +116,7 @@ impl Parser<'_> {
             return Ok(base);
         }
         let exponent = self.deeper(Self::signed)?;
-        self.finite(base.powf(exponent), start)
+        self.finite(libm::pow(base, exponent), start)
     }
 
     fn atom(&mut self) -> Result<f64, Problem> {
@@ -189,12 +189,12 @@ impl Parser<'_> {
         }
         let x = arguments[0];
         let value = match name {
-            "sin" => x.sin(),
-            "cos" => x.cos(),
-            "tan" => x.tan(),
-            "asin" => x.asin(),
-            "acos" => x.acos(),
-            "atan" => x.atan(),
+            "sin" => libm::sin(x),
+            "cos" => libm::cos(x),
+            "tan" => libm::tan(x),
+            "asin" => libm::asin(x),
+            "acos" => libm::acos(x),
+            "atan" => libm::atan(x),
             "sqrt" => x.sqrt(),
             "abs" => x.abs(),
             "round" => x.round(),

@@ -9,8 +9,8 @@
 //! place before the text is parsed. A whole value is written without a decimal point, so that it also serves as a count. A raw
 //! string (`r"= ..."`) stays a text. A scene without this key is parsed as it is written.
 //!
-//! The scene in a run directory keeps its parameters and expressions. Functions such as `sin` come from the mathematical library
-//! of the platform, so another platform may give other last bits.
+//! The scene in a run directory keeps its parameters and expressions. Functions such as `sin` are those of the crate `libm`, with the same
+//! bits on every machine.
 //!
 //! Limits: 250 parameters; a parameter must not depend on itself.
 

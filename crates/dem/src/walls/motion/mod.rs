@@ -20,6 +20,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use self::table::{Curve, InTime};
+use crate::math;
 use crate::space::{Linear as _, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 use crate::walls::pose::Pose;
@@ -109,8 +110,8 @@ impl<T: Values> Course<T> {
                 let amplitude = amplitude.padded_values();
                 let pulse = TAU * frequency.get();
                 let phase = phase.map_or(0.0, Finite::get);
-                let (sine, cosine) = (pulse * tau + phase).sin_cos();
-                InTime { value: amplitude * (sine - phase.sin()), rate: amplitude * (pulse * cosine) }
+                let (sine, cosine) = math::sincos(pulse * tau + phase);
+                InTime { value: amplitude * (sine - math::sin(phase)), rate: amplitude * (pulse * cosine) }
             }
             Self::Table { curve, .. } => {
                 let InTime { value, rate } = curve.at(tau);
@@ -125,7 +126,7 @@ impl<T: Values> Course<T> {
             Self::Steady(rate) => [Solid::ZERO, rate.padded_values() * tau],
             Self::Oscillate { amplitude, phase, .. } => {
                 let amplitude = amplitude.padded_values();
-                let start = phase.map_or(0.0, Finite::get).sin();
+                let start = math::sin(phase.map_or(0.0, Finite::get));
                 [amplitude * (-1.0 - start), amplitude * (1.0 - start)]
             }
             Self::Table { curve, .. } => curve.range().map(Solid::from),

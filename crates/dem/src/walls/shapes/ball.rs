@@ -4,6 +4,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::math;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::walls::drawing::{Detail, Drawing};
 use crate::walls::pose::Pose;
@@ -23,7 +24,7 @@ impl<V: Space> Ball<V> {
     /// Returns `count` points of the circle about the centre in the plane of x and y, m.
     fn circle(&self, count: u32) -> Vec<V> {
         let point = |n: u32| {
-            let (sine, cosine) = (TAU * f64::from(n) / f64::from(count)).sin_cos();
+            let (sine, cosine) = math::sincos(TAU * f64::from(n) / f64::from(count));
             self.centre + V::narrow(Solid::new(cosine, sine, 0.0)) * self.radius
         };
         (0..count).map(point).collect()
@@ -67,7 +68,7 @@ impl<V: Space> Shape<V> for Ball<V> {
     fn area_between(&self, low: f64, high: f64) -> Option<f64> {
         let [low, high] = [low, high].map(|height| ((height - self.centre.height()) / self.radius).clamp(-1.0, 1.0));
         Some(match V::DIMENSION {
-            Dimension::Plane => 2.0 * self.radius * (high.asin() - low.asin()),
+            Dimension::Plane => 2.0 * self.radius * (math::asin(high) - math::asin(low)),
             Dimension::Solid => TAU * self.radius * self.radius * (high - low),
         })
     }

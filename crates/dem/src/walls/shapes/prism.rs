@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::math;
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
 
@@ -94,7 +95,7 @@ impl<V: Space> Prism<V> {
     pub(super) fn on_side(&self, side: u32, share: f64) -> CurvePoint<V> {
         let Self { centre, along, across, .. } = *self;
         if self.is_round {
-            let (y, x) = (TAU * share).sin_cos();
+            let (y, x) = math::sincos(TAU * share);
             return CurvePoint { point: centre + along * x + across * y, slope: (across * x - along * y) * TAU };
         }
         let (out, on) = match side {

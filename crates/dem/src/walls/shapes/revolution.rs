@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::math;
 use crate::space::Space;
 
 /// An axis of revolution.
@@ -18,7 +19,7 @@ impl<V: Space> Axis<V> {
     pub(crate) fn turned<const N: usize>(&self, profile: [[f64; 2]; N], part: u32, parts: u32) -> [V; N] {
         let across = self.direction.any_perpendicular();
         let other = V::narrow(self.direction.spread().cross(across.spread()));
-        let (sine, cosine) = (2.0 * PI * f64::from(part) / f64::from(parts)).sin_cos();
+        let (sine, cosine) = math::sincos(2.0 * PI * f64::from(part) / f64::from(parts));
         profile.map(|[r, z]| self.base + self.direction * z + (across * cosine + other * sine) * r)
     }
 }

@@ -11,6 +11,7 @@
 
 use std::f64::consts::PI;
 
+use crate::math;
 use crate::space::{Plane, Space};
 use crate::walls::area::strips_area;
 use crate::walls::drawing::{Detail, Drawing};
@@ -64,7 +65,7 @@ impl<V: Space> Revolved<V> {
     /// Returns the unit vector in the half-plane of the line, at right angles to it, as (r, z).
     fn line_normal(&self) -> [f64; 2] {
         let [dr, dz] = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
-        let length = dr.hypot(dz);
+        let length = math::hypot(dr, dz);
         [dz / length, -dr / length]
     }
 
@@ -204,7 +205,7 @@ impl<V: Space> Shape<V> for Revolved<V> {
         if (upwards.abs() - 1.0).abs() >= 1e-12 {
             return Some(strips_area(&self.line_axis(), &[self.from, self.to], low, high));
         }
-        let length = (r_1 - r_0).hypot(z_1 - z_0);
+        let length = math::hypot(r_1 - r_0, z_1 - z_0);
         let height = |z: f64| self.base.height() + upwards * z;
         let from = height(z_0);
         let to = height(z_1);

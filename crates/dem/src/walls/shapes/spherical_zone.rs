@@ -9,6 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::math;
 use crate::space::{Plane, Space};
 use crate::walls::area::strips_area;
 use crate::walls::drawing::{Detail, Drawing};
@@ -54,7 +55,7 @@ impl<V: Space> SphericalZone<V> {
 
     /// Returns points (r, z) of the section on one side of the axis, from the low end to the high one: `lines` pieces for a whole sphere.
     fn profile(&self, lines: u32) -> Vec<[f64; 2]> {
-        let [low, high] = self.ends().map(|height| height.atan2(self.circle(height)));
+        let [low, high] = self.ends().map(|height| math::atan2(height, self.circle(height)));
         let share = (high - low) / PI;
         #[expect(
             clippy::cast_possible_truncation,
@@ -63,7 +64,7 @@ impl<V: Space> SphericalZone<V> {
         )]
         let count = (f64::from(lines) * share).ceil().max(1.0) as u32;
         let point = |n: u32| {
-            let (sine, cosine) = (low + (high - low) * f64::from(n) / f64::from(count)).sin_cos();
+            let (sine, cosine) = math::sincos(low + (high - low) * f64::from(n) / f64::from(count));
             [self.radius * cosine.max(0.0), self.radius * sine]
         };
         let mut points: Vec<_> = (0..=count).map(point).collect();

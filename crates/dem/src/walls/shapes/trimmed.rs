@@ -12,6 +12,7 @@
 
 use std::f64::consts::PI;
 
+use crate::math;
 use crate::space::{Linear, Plane, Space};
 use crate::walls::area::clipped_area;
 use crate::walls::clip::{clip, share_edges};
@@ -180,7 +181,7 @@ impl<V: Space> Shape<V> for Trimmed<V> {
         }
         let [low, high] = box_around(&self.pieces(RIM_PIECES).concat())?;
         // A chord of a circle lies this share of the radius inside, and an oblique cut lengthens it.
-        let sagitta = 1.0 - (PI / f64::from(RIM_PIECES)).cos();
+        let sagitta = 1.0 - math::cos(PI / f64::from(RIM_PIECES));
         let margin = V::from_components(|_| sagitta * (self.whole.largest_radius() + self.prism.reach() / OBLIQUE));
         Some([low - margin, high + margin])
     }

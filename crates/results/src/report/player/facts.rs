@@ -79,6 +79,17 @@ impl Facts {
         Ok(facts)
     }
 
+    /// Reads one frame.
+    ///
+    /// # Errors
+    /// As [`Facts::of`].
+    pub fn of_frame(header: &Header, frame: &Frame) -> io::Result<Self> {
+        let mut facts = Self::default();
+        facts.add(header, frame)?;
+        facts.sort();
+        Ok(facts)
+    }
+
     fn add(&mut self, header: &Header, frame: &Frame) -> io::Result<()> {
         self.frames += 1;
         for table in ["contacts", "wall_contacts"].into_iter().filter_map(|name| frame.table(name)) {

@@ -8,6 +8,7 @@
 //! | `facts.rs`, `plan.rs`, `thinning.rs` | what the frames contain, and how and which of them are packed |
 //! | `grid.rs`, `scale.rs` | rounding of places and of other numbers |
 //! | `frame_packer.rs`, `links.rs`, `wall_shapes.rs`, `bytes.rs` | a frame as bytes |
+//! | `live.rs` | single frames of a run that goes on |
 //! | `pictures.rs` | pictures of the lattice gas in place of frames |
 //! | `script/` | the script: decoding, drawing with WebGL, controls |
 
@@ -18,6 +19,7 @@ mod frame_packer;
 mod grains;
 mod grid;
 mod links;
+pub mod live;
 mod packing;
 mod pictures;
 mod plan;

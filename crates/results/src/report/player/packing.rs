@@ -39,7 +39,7 @@ pub(super) fn join(first: &[u8], second: &[u8]) -> String {
 
 /// Facts about the packed frames.
 #[derive(Default)]
-struct FrameColumns {
+pub(super) struct FrameColumns {
     times: Vec<f64>,
     counts: Vec<[u64; 4]>,
     lengths: Vec<u32>,
@@ -94,25 +94,36 @@ fn pack_frames(
 }
 
 impl FrameColumns {
-    fn add(&mut self, frame: &Frame, bytes: usize) {
+    pub(super) fn add(&mut self, frame: &Frame, bytes: usize) {
         self.times.push(frame.time);
         self.counts.push(frame.counts);
         self.lengths.push(length(bytes));
     }
 }
 
+fn first_part(header: &Header, plan: &Plan, columns: &FrameColumns) -> io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), compression());
+    write_first_part(header, plan, columns, &mut encoder)?;
+    encoder.finish()
+}
+
+/// Writes the first part, not compressed.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     reason = "counts are small; a radius of 4 bytes has 7 digits"
 )]
-fn first_part(header: &Header, plan: &Plan, columns: &FrameColumns) -> io::Result<Vec<u8>> {
+pub(super) fn write_first_part(
+    header: &Header,
+    plan: &Plan,
+    columns: &FrameColumns,
+    out: &mut impl io::Write,
+) -> io::Result<()> {
     let description =
         serde_json::to_vec(&Description::of(header, plan, columns.times.len())).map_err(io::Error::other)?;
-    let mut encoder = ZlibEncoder::new(Vec::new(), compression());
-    encoder.write_all(&length(description.len()).to_le_bytes())?;
-    encoder.write_all(&description)?;
-    let mut column = |bytes: Vec<u8>| encoder.write_all(&bytes);
+    out.write_all(&length(description.len()).to_le_bytes())?;
+    out.write_all(&description)?;
+    let mut column = |bytes: Vec<u8>| out.write_all(&bytes);
     column(columns.times.iter().flat_map(|time| time.to_le_bytes()).collect())?;
     column(columns.counts.iter().flatten().flat_map(|&count| (count as f64).to_le_bytes()).collect())?;
     column(columns.lengths.iter().flat_map(|length| length.to_le_bytes()).collect())?;
@@ -125,6 +136,5 @@ fn first_part(header: &Header, plan: &Plan, columns: &FrameColumns) -> io::Resul
     for (numbers, scale) in plan.kept() {
         column(numbers.iter().map(|&number| scale.level(number, TOP)).collect())?;
     }
-    column(FramePacker::new(header, plan).1)?;
-    encoder.finish()
+    column(FramePacker::new(header, plan).1)
 }

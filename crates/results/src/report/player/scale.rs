@@ -63,6 +63,15 @@ impl Spread {
         }
     }
 
+    /// Adds the numbers of another spread.
+    pub fn merge(&mut self, other: &Self) {
+        self.low = self.low.min(other.low);
+        self.high = self.high.max(other.high);
+        for (bin, count) in &other.counts {
+            *self.counts.entry(*bin).or_default() += count;
+        }
+    }
+
     /// Whether all numbers are equal, or there is none.
     pub fn is_constant(&self) -> bool {
         self.low >= self.high

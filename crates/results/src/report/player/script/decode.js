@@ -60,7 +60,11 @@ async function inflate(text) {
 async function decodeRun(text) {
   const [first, second] = text.trim().split(" ");
   if (!second) throw new Error("there are no data");
-  const [facts, frames] = await Promise.all([inflate(first), inflate(second)]);
+  return decodeParts(...(await Promise.all([inflate(first), inflate(second)])));
+}
+
+/** Unpacks the two parts of a run. */
+function decodeParts(facts, frames) {
   const length = new DataView(facts.take(4).slice().buffer).getUint32(0, true);
   const run = JSON.parse(new TextDecoder().decode(facts.take(length)));
   if (run.is_pictures) return decodePictures(run, facts, frames);
