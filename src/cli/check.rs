@@ -94,8 +94,7 @@ pub fn examine(scene: &AnyScene, registry: &Registry, budget: &Budget) -> Result
                 estimates,
                 warnings: check::warnings_within(loaded, budget),
                 bodies: expected::shapes(loaded),
-                bytes: expected::known_step(loaded)
-                    .map_or(0.0, |dt| bytes(&expected::outputs(loaded, dt), until / dt)),
+                bytes: expected::known_step(loaded).map_or(0.0, |dt| bytes(&expected::outputs(loaded, dt), until / dt)),
             }
         }
         AnyScene::Lattice(loaded) => {

@@ -22,9 +22,8 @@
 //!
 //! `siloflow run scenes/SCENE --set integrator=SCHEME --until UNTIL --set SET` prints the same hash.
 //!
-//! Limits: the first line names the target of the hashes. On other targets sine, logarithm and similar functions come
-//! from another mathematical library with other last bits. The test is skipped there with a message. A C library of the
-//! same target with other last bits shows as rows that differ although the program has not changed. Three kinds of scenes
+//! Limits: the first line names the target of the hashes. The test is skipped on others with a message, although mathematical functions
+//! are the same everywhere (`siloflow_dem::math`); `crates/web/node/pins.mjs` compares the same rows in WebAssembly. Three kinds of scenes
 //! have no row: `examples/vibrating_wall.ron`, which needs a behaviour that the plain program lacks, studies in
 //! `scenes/studies`, and sweeps with their scenes in `scenes/sweeps` and `scenes/validation`.
 

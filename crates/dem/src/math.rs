@@ -6,11 +6,11 @@
 
 pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, hypot, log as ln, log2, log10, pow, sin, sincos};
 
-use crate::space::Plane;
+use glam::DVec2;
 
 /// Returns the unit vector at this angle to the x axis.
 #[must_use]
-pub fn direction(angle: f64) -> Plane {
+pub fn direction(angle: f64) -> DVec2 {
     let (sine, cosine) = sincos(angle);
-    Plane::new(cosine, sine)
+    DVec2::new(cosine, sine)
 }

@@ -2,7 +2,7 @@
 //
 //     node crates/web/node/pins.mjs target/wasm32-wasip1/web/siloflow.wasm [WORDS OF SCENES ...]
 //
-// A row that cannot be run has to be refused with the pinned code. The exit status is 1 if any row differs.
+// The program may also be a native one. A row that cannot be run has to be refused with the pinned code. The exit status is 1 if any row differs.
 
 import { spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -26,7 +26,9 @@ function hashOf([scene, scheme, until, set]) {
   const settings = set.split("; ").filter(Boolean).flatMap((setting) => ["--set", setting]);
   if (scheme !== "LatticeGas") settings.push("--set", `integrator=${scheme}`);
   const args = ["--quiet", "run", join("scenes", scene), "--out", join(relative(root, work), "run"), "--force", "--until", until, "--json", ...settings];
-  const done = spawnSync(process.execPath, ["--no-warnings", join(here, "siloflow.mjs"), resolve(program), ...args], { cwd: root, encoding: "utf8" });
+  const inNode = [process.execPath, "--no-warnings", join(here, "siloflow.mjs")];
+  const [command, ...before] = program.endsWith(".wasm") ? [...inNode, resolve(program)] : [resolve(program)];
+  const done = spawnSync(command, [...before, ...args], { cwd: root, encoding: "utf8" });
   if (done.status === 2) return `refused ${done.stderr.match(/\w+::\w+/)?.[0]}`;
   return done.stdout.match(/"state_hash": "(\w+)"/)?.[1] ?? `status ${done.status ?? done.signal}: ${done.stderr.slice(-300)}`;
 }

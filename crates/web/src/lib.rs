@@ -123,6 +123,12 @@ pub extern "C" fn advance(milliseconds: f64, until: f64, to_event: u32) -> u32 {
     })
 }
 
+/// Answers with the present numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn sample() -> u32 {
+    answer(|run| Ok(json(&run.as_mut().ok_or_else(no_run)?.sample())))
+}
+
 /// The present state for the player, with contacts if `contacts` is 1.
 #[unsafe(no_mangle)]
 pub extern "C" fn picture(contacts: u32) -> u32 {

@@ -44,6 +44,17 @@ impl Events {
     }
 }
 
+/// Grains whose departures give the present outflow.
+const WINDOW: u32 = 20;
+
+/// The outflow since the last [`WINDOW`] departures, grains/s.
+fn outflow(ledger: &Ledger, now: f64) -> f64 {
+    let departures = &ledger.departures;
+    let last = departures.count().saturating_sub(1);
+    let since = departures.nearest(last.saturating_sub(WINDOW)).filter(|departure| departure.number < last);
+    since.map_or(0.0, |since| f64::from(last - since.number) / (now - since.time).max(f64::MIN_POSITIVE))
+}
+
 /// The present numbers, SI. Of the lattice gas `time` counts steps, and there are no totals.
 #[derive(Serialize)]
 pub struct Sample {
@@ -53,6 +64,8 @@ pub struct Sample {
     inside: u64,
     out: u64,
     lost: u64,
+    /// Grains/s.
+    outflow: Option<f64>,
     totals: Option<Totals>,
     events: Events,
     is_reached: bool,
@@ -81,6 +94,7 @@ impl Sample {
             inside,
             out,
             lost,
+            outflow: world.get_resource::<Ledger>().map(|ledger| outflow(ledger, clock.time())),
             totals: (!is_lattice).then(|| totals::of_world(world)),
             events: Events::of(world),
             is_reached: last == Slice::Reached,

@@ -4,11 +4,12 @@
 const SLIDING = "#ff7f0e";
 
 class View {
-  constructor(canvas, run) {
+  /** Shows a run; `box` is what the view shows at first, m from the corner of the grid. */
+  constructor(canvas, run, box = visibleBox(run)) {
     this.canvas = canvas;
     this.run = run;
     this.isSolid = run.dimension === 3;
-    this.box = visibleBox(run);
+    this.box = box;
     this.camera = new Camera(this.box, this.isSolid);
     this.shown = { bonds: false, walls: true };
     this.cut = { axis: -1, share: 0 };

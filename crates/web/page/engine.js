@@ -1,0 +1,68 @@
+// The program in a worker. A worker that has failed, or does not answer, is replaced by a new one.
+
+/** Unpacks the embedded program: gzip in base64. */
+async function unpackProgram() {
+  const letters = atob(document.getElementById("program").textContent.trim());
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+}
+
+class Engine {
+  /** `module` is a promise of the compiled program; `hear` gets what the worker tells by itself. */
+  constructor(module, hear = () => {}) {
+    this.module = module;
+    this.hear = hear;
+    this.waiting = new Map();
+    this.count = 0;
+  }
+
+  start() {
+    const address = URL.createObjectURL(new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }));
+    this.worker = new Worker(address);
+    this.worker.onmessage = ({ data }) => this.receive(data);
+    this.worker.onerror = (event) => this.receive({ crash: event.message || "the worker could not be started" });
+    this.loaded = this.module.then((module) => this.post("load", { module }));
+  }
+
+  receive({ id, result, trouble, ...told }) {
+    const waiting = this.waiting.get(id);
+    if (!waiting) return this.hear(told);
+    this.waiting.delete(id);
+    clearTimeout(waiting.timer);
+    if (trouble) waiting.reject(trouble);
+    else waiting.resolve(result);
+  }
+
+  post(what, rest, patience = Infinity) {
+    return new Promise((resolve, reject) => {
+      const id = ++this.count;
+      const giveUp = () => {
+        this.stop();
+        reject({ message: `The program did not answer within ${patience / 1000} s.`, help: "make the scene smaller, or run it with the program on your machine", isCrash: true });
+      };
+      const timer = Number.isFinite(patience) ? setTimeout(giveUp, patience) : 0;
+      this.waiting.set(id, { resolve, reject, timer });
+      this.worker.postMessage({ id, what, ...rest });
+    });
+  }
+
+  /** Asks the program; rejects with its trouble. */
+  async ask(what, rest = {}, patience = Infinity) {
+    if (!this.worker) this.start();
+    await this.loaded;
+    try {
+      return await this.post(what, rest, patience);
+    } catch (trouble) {
+      if (trouble.isCrash) this.stop();
+      throw trouble;
+    }
+  }
+
+  stop() {
+    this.worker?.terminate();
+    this.worker = null;
+    this.waiting.clear();
+  }
+}
