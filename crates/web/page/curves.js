@@ -9,7 +9,7 @@ class Curves {
     this.timeUnit = timeUnit;
     this.times = [];
     this.charts = charts.map((chart) => ({ ...chart, columns: chart.curves.map(() => []), canvas: make("canvas", { role: "img" }) }));
-    const caption = (chart) => make("figcaption", {}, [chart.title + (chart.unit ? ` (${chart.unit})` : ""), ...chart.curves.flatMap((curve, place) => {
+    const caption = (chart) => make("figcaption", {}, [chart.title + (chart.unit ? ` (${chart.unit})` : ""), ...chart.curves.filter((curve) => curve.name).flatMap((curve, place) => {
       const mark = make("i");
       mark.style.setProperty("--mark", `var(--${place ? "second" : "first"})`);
       return [mark, curve.name];
@@ -79,7 +79,7 @@ class Curves {
       column.forEach((value, number) => context.lineTo(x(this.times[number]), y(value)));
       context.stroke();
     });
-    const now = curves.map((curve, place) => `${curve.name} ${shortNumber(columns[place].at(-1) ?? 0)}`).join(", ");
+    const now = curves.map((curve, place) => `${curve.name || title} ${shortNumber(columns[place].at(-1) ?? 0)}`).join(", ");
     canvas.setAttribute("aria-label", `${title} over time; now ${now}`);
   }
 }

@@ -53,7 +53,7 @@ class LiveView {
   adopt(run) {
     const { view } = this;
     run.lastShape = null;
-    Object.assign(view, { run, bondsOf: null, wallsOf: null });
+    Object.assign(view, { run, frame: null, bondsOf: null, wallsOf: null });
     view.renderer.run = run;
     view.middleRadius = middle(run.radii.filter((_, particle) => run.kinds[particle] === 0)) || middle(run.radii);
   }

@@ -2,7 +2,7 @@
 
 const at = (id) => document.getElementById(id);
 const KEPT = "siloflow.scene";
-const SPEEDS = [["Infinity", "as fast as it goes"], ...[0.1, 0.25, 0.5, 1, 2, 5, 10].map((speed) => [String(speed), `${speed} × real time`])];
+const SPEEDS = [["Infinity", "free"], ...[0.1, 0.25, 0.5, 1, 2, 5, 10].map((speed) => [String(speed), `${speed} × real`])];
 /** Milliseconds without an edit before a scene is examined, and most milliseconds for that. */
 const PAUSE = 350;
 const PATIENCE = 20_000;

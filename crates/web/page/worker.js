@@ -35,7 +35,7 @@ let program;
 
 async function load(module) {
   const note = (line) => (messages = `${messages}${line}\n`.slice(-4000));
-  const wasi = new WASI(["siloflow"], [], [new OpenFile(new File([])), ConsoleStdout.lineBuffered(note), ConsoleStdout.lineBuffered(note), root]);
+  const wasi = new WASI(["siloflow"], [], [new OpenFile(new File([])), ConsoleStdout.lineBuffered(note), ConsoleStdout.lineBuffered(note), root], { debug: false });
   const instance = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: wasi.wasiImport });
   wasi.initialize(instance);
   program = instance.exports;
