@@ -9,6 +9,7 @@ The results of a run in the page are compared with those of the native program. 
 import json
 import os
 import pathlib
+import shutil
 import statistics
 import subprocess
 import sys
@@ -30,8 +31,8 @@ BED = f"""(
 )"""
 # Wanted longest time from a click during a run to the response, ms. It depends on the machine, so a longer time is reported and does not fail.
 WANTED_MS = 100.0
-# Figures of a summary that belong to a machine.
-OF_MACHINE = {"performance", "provenance"}
+# Figures of a summary that belong to a machine. Lengths and hashes of files do, because frames are compressed by the word size of the machine.
+OF_MACHINE = {"performance", "provenance", "files"}
 
 
 class Page:
@@ -96,11 +97,11 @@ def use_editor(view):
     page.locator("#text").fill(right.replace("gravity:", "gravty:", 1))
     said = view.verdict()
     check(f"Line {number}, column" in said and "gravity" in said.split("gravty", 1)[1], "the mistake is not explained:", said)
-    check(page.locator("#marks mark").inner_text() == "gravty", "marked is", page.locator("#marks mark").inner_text())
+    check(page.locator("#marks mark").inner_text().startswith("gravty"), "marked is", page.locator("#marks mark").inner_text())
     check(page.locator("#numbers b").inner_text() == str(number), "the number of the line is not marked")
     page.get_by_role("button", name="Go there").click()
     chosen = page.evaluate("() => { const t = document.getElementById('text'); return t.value.slice(t.selectionStart, t.selectionEnd); }")
-    check(chosen == "gravty", "the cursor is at", chosen)
+    check(chosen.startswith("gravty"), "the cursor is at", chosen)
     check(page.locator("#run").is_disabled(), "a wrong scene can be run")
     page.reload()
     check("gravty" in view.text() or page.wait_for_timeout(1500) or "gravty" in view.text(), "the text is lost by a reload")
@@ -112,7 +113,23 @@ def numbers(summary):
     return {name: value for name, value in summary.items() if name not in OF_MACHINE}
 
 
-def run_to_the_end(view, native, directory):
+def compare_archive(program, archive, native, directory):
+    """The native program finds the files of the page whole, and the same frames and pictures in them."""
+    shutil.rmtree(directory, ignore_errors=True)
+    directory.mkdir()
+    subprocess.run(["tar", "--extract", "--file", archive, "--directory", directory], check=True)
+    run = directory / "silo1"
+    siloflow(program, "verify", run)
+    for number, source in enumerate((run, native)):
+        siloflow(program, "export", source, "--to", "extxyz", "--out", directory / f"{number}.xyz")
+    check((directory / "0.xyz").read_bytes() == (directory / "1.xyz").read_bytes(), "frames differ from those of the native program")
+    pictures = sorted(path.name for path in (native / "frames").iterdir())
+    check(pictures == sorted(path.name for path in (run / "frames").iterdir()), "there are other pictures")
+    for name in pictures:
+        check((run / "frames" / name).read_bytes() == (native / "frames" / name).read_bytes(), name, "differs")
+
+
+def run_to_the_end(program, view, native, directory):
     """The whole silo: the same files as those of the native program, to the bit."""
     page = view.page
     check(0.01 < share_of_ink(view.picture(directory / "start.png")) < 0.97, "the silo is not drawn")
@@ -127,16 +144,15 @@ def run_to_the_end(view, native, directory):
     check(summary["state_hash"] == expected["state_hash"], "state hashes", summary["state_hash"], expected["state_hash"])
     for name in sorted(set(numbers(summary)) | set(numbers(expected))):
         check(summary.get(name) == expected.get(name), "summary.json:", name, summary.get(name), expected.get(name))
-    for name in ("series.csv", "state.csv", "frames.bin"):
+    for name in ("series.csv", "state.csv"):
         check(view.save(name, directory).read_bytes() == (native / name).read_bytes(), name, "differs from that of the native program")
     archive = view.save("All files (tar)", directory)
-    listed = subprocess.run(["tar", "--list", "--file", archive], capture_output=True, text=True, check=True).stdout.split()
-    check("silo1/summary.json" in listed and "silo1/frames/00000.svg" in listed, listed[:20])
+    compare_archive(program, archive, native, directory / "of-page")
     check("<html" in view.save("Report (HTML)", directory).read_text()[:200], "the report is no page")
     return [expected["performance"]["wall_s"], summary["performance"]["wall_s"]]
 
 
-def use_controls(view):
+def use_controls(view, rest):
     """Step, pause, speed, the next event."""
     page = view.page
     view.choose("free-fall")
@@ -154,7 +170,7 @@ def use_controls(view):
     view.choose("silo1")
     page.locator("#event").click()
     page.wait_for_function("() => /rest|door/.test(document.getElementById('told').textContent)", timeout=120_000)
-    check(49 < view.seconds() < 51, "the grains come to rest at", view.seconds())
+    check(abs(view.seconds() - rest) < 0.002, "the grains come to rest at", view.seconds(), "natively at", rest)
 
 
 def use_slider(view):
@@ -200,7 +216,7 @@ def hostile_links(browser, address, directory):
     maker.wait_until_right()
     link = lambda scene: address + maker.page.evaluate(pack, scene)
     huge = BED.replace(str(GRAINS), "1900000").replace("high: (1.0, 0.3)", "high: (100.0, 30.0)")
-    endless = BED.replace("until: 10.0", "until: 1.0e6, series: (interval: 1.0e-4), data_frames: (interval: 1.0e-4)")
+    endless = BED.replace("until: 10.0", "until: 1.0e6, data_frames: (interval: 2.0e-3)")
     cases = {
         link({"name": evil, "text": evil}): None,
         link({"name": "../../x", "text": f'(title: "{evil}", gravty: 1)'}): None,
@@ -302,8 +318,8 @@ def main(program, file, directory):
         view.wait_until_right()
         first = time.monotonic() - start
         use_editor(view)
-        [of_native, of_page] = run_to_the_end(view, native, directory)
-        use_controls(view)
+        [of_native, of_page] = run_to_the_end(program, view, native, directory)
+        use_controls(view, json.loads((native / "summary.json").read_text())["rest_time_s"])
         use_slider(view)
         length = use_link(view, browser, directory)
         every_shipped_scene(view)

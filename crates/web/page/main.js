@@ -59,12 +59,20 @@ const sceneNow = () => ({ name: page.scene.name, content: editor.value, files: p
 function edited() {
   keep();
   clearTimeout(page.timer);
-  page.timer = setTimeout(examine, PAUSE);
+  page.timer = setTimeout(preview, PAUSE);
+}
+
+/** Examines the scene, and shows its first moment, unless a run goes on or has results. */
+async function preview() {
+  page.timer = 0;
+  const isIdle = page.state === "none" || page.state === "ready";
+  if ((await examine()) && isIdle && page.state !== "running") await begin();
 }
 
 /** Lets the program examine the scene, and shows what it says. Returns whether the scene can be run. */
 async function examine() {
   clearTimeout(page.timer);
+  page.timer = 0;
   const number = ++page.examinations;
   const box = at("verdict");
   if (!box.firstChild) box.replaceChildren(make("div", { className: "plain", textContent: "The scene is being examined …" }));
@@ -388,11 +396,7 @@ function updateControls() {
 
 /** Makes the run ready that a button acts on: a new one, if the text has changed or the last run is over. */
 async function ready() {
-  if (editor.value !== page.text || page.timer) {
-    const isRight = await examine();
-    page.timer = 0;
-    if (!isRight) return false;
-  }
+  if ((editor.value !== page.text || page.timer) && !(await examine())) return false;
   if (editor.value === page.text && (page.state === "ready" || page.state === "paused")) return true;
   return begin();
 }
@@ -442,7 +446,7 @@ at("files").addEventListener("change", async () => {
   if (scene) return take({ name: safeName(scene[0].slice(0, -4)), from: null, text: new TextDecoder().decode(scene[1]), files: others });
   page.scene.files = [...page.scene.files.filter(([name]) => !others.some(([other]) => other === name)), ...others];
   tell(`${others.length} file${others.length > 1 ? "s" : ""} beside the scene`);
-  examine();
+  preview();
 });
 /** Keys outside of the text: space runs and pauses, a point steps. */
 document.addEventListener("keydown", (event) => {
