@@ -17,7 +17,7 @@ use siloflow_files::columns::{Column, Spaces};
 use crate::grains::file::write as grains;
 use crate::lattice_silo;
 use crate::measure::fields::{Layout, MEANS};
-use crate::output::{fields, flow, free_walls, losses, profiles, series, summary, wall_bands, walls};
+use crate::output::{fields, flow, free_walls, losses, profiles, series, slopes, summary, wall_bands, walls};
 
 const PAGE: &str = "docs/reference/run-directory.md";
 const RENEW: &str = "SILOFLOW_RENEW_TABLES";
@@ -109,6 +109,7 @@ fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("### `walls.csv`", rows(&[walls::WALL, walls::LOADS])),
         ("### `wall_groups.csv`", rows(&[walls::GROUP, walls::LOADS])),
         ("### `free_walls.csv`", rows(&[free_walls::COLUMNS])),
+        ("### `slopes.csv`", rows(&[slopes::COLUMNS])),
         ("### `wall_bands.csv`", rows(&[wall_bands::COLUMNS])),
         ("### `profiles.csv`", rows(&[profiles::PROFILES, profiles::ORIENTATIONS])),
         ("### `centres.csv`", rows(&[profiles::CENTRES])),

@@ -22,9 +22,9 @@ use crate::scene::loaded::AnyScene;
 use crate::studies::estimate::estimator::{
     Answer, Goal, Refusal, StepCheck, Within, check_step, estimate as estimate_mean,
 };
-use crate::studies::estimate::figure::Figure;
 use crate::studies::estimate::picture::{Round, picture};
 use crate::studies::estimate::results::{Estimate, Outcome, rungs_table, runs_table};
+use crate::studies::figures::figure::Figure;
 use crate::studies::sweep::Task;
 use crate::studies::sweep::directory::SweepDirectory;
 use siloflow_figures::statistics::digits::{digits, short};

@@ -157,6 +157,9 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
     if !scene.wall_bands.is_empty() {
         text.push_str("\n  pressure and friction on walls by height, in wall_bands.csv");
     }
+    if !scene.slopes.is_empty() {
+        text.push_str("\n  slopes of the free surface, as often as series.csv, in slopes.csv");
+    }
     if !scene.profiles.is_empty() {
         text.push_str(
             "\n  profiles.csv, and the centres of mass of the species, as often as series.csv, in centres.csv",

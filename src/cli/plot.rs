@@ -14,7 +14,7 @@ use siloflow_text::suggestion::closest;
 /// Arguments of `plot`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Figures: discharge, grains, energy, contacts, speed, walls, bands, profiles, fields, and each further column of series.csv.
+Figures: discharge, grains, energy, contacts, speed, walls, free_walls, bands, slopes, profiles, fields, and each further column of series.csv.
 
   siloflow plot out/silo1                                    # all figures, into out/silo1/plots
   siloflow plot out/silo1 --what discharge

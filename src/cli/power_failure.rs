@@ -45,6 +45,7 @@ const GRAINS: &str = r#"(
     data_frames: (interval: 0.003, format: [Vtk, ExtXyz, LammpsDump]),
     profiles: [(axis: Y, low: 0.0, high: 1.0, bins: 2, sample: 0.001, average: 0.002, section: 2.0)],
     wall_bands: [(walls: "floor", low: -0.1, high: 0.1, bins: 1, sample: 0.001, average: 0.002)],
+    slopes: [(name: "surface", falls: Along((1.0, 0.0)), low: (-1.0, -1.0), high: (1.0, 1.0))],
     fields: [(grid: XY(low: (-1.0, 0.0), high: (1.0, 1.0), cells: (1, 2)), sample: 0.001, average: 0.002)],
     flow: (cell: 0.5, sample: 0.001, from: 0.0),
     behaviours: {"diary": ()},

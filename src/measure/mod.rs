@@ -14,6 +14,7 @@ pub mod orientation;
 pub mod outflow;
 pub mod outputs;
 pub mod profile;
+pub mod slope;
 pub mod totals;
 pub mod wall_bands;
 

@@ -12,6 +12,7 @@ pub mod parent;
 pub mod pictures;
 pub mod profiles;
 pub mod series;
+pub mod slopes;
 pub mod state_hash;
 pub mod summary;
 pub mod verification;

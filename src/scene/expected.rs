@@ -105,12 +105,13 @@ pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
     let species = loaded.largest_species() as f64 + 1.0;
     let flat = scene.walls.iter().filter(|wall| wall.is_surface()).count() as f64;
     let centres = if scene.profiles.is_empty() { 0.0 } else { species };
+    let slopes = scene.slopes.len() as f64;
     let mut outputs = vec![Output {
         key: "series.interval".to_owned(),
         interval: scene.series.interval.get() / dt,
-        rows: 1.0 + flat + centres,
+        rows: 1.0 + flat + centres + slopes,
         pictures: 0.0,
-        bytes: ROW_BYTES[0] + flat * ROW_BYTES[1] + centres * ROW_BYTES[2],
+        bytes: ROW_BYTES[0] + flat * ROW_BYTES[1] + (centres + slopes) * ROW_BYTES[2],
     }];
     for (index, profile) in scene.profiles.iter().enumerate() {
         let rows = f64::from(profile.bins) * (species + 1.0);

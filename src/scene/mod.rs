@@ -37,6 +37,7 @@ use crate::measure::fields::Field;
 use crate::measure::flow::Flow;
 use crate::measure::outflow::Outflow;
 use crate::measure::profile::Profile;
+use crate::measure::slope::Slope;
 use crate::measure::wall_bands::WallBands;
 use crate::rest::Rest;
 use crate::scene::outputs::{DataFrames, Pictures, Series};
@@ -165,6 +166,9 @@ pub struct Scene {
     /// Loads on walls by height.
     #[serde(default)]
     pub wall_bands: Vec<WallBands>,
+    /// Slopes of the free surface.
+    #[serde(default)]
+    pub slopes: Vec<Slope>,
     /// A field of mean velocity.
     pub flow: Option<Flow>,
     /// Figures of the discharge over a window of time.

@@ -24,7 +24,7 @@ use siloflow_text::fault::Fault;
 /// use std::path::Path;
 /// use siloflow::prelude::*;
 /// use siloflow::simulation::evaluate::evaluate;
-/// use siloflow::studies::sweep::figures::figure;
+/// use siloflow::studies::figures::summary::figure;
 ///
 /// let settings = [("contact.tangential.friction".to_owned(), "0.3".to_owned())];
 /// let summary = evaluate(Path::new("silo.ron"), &settings, &Registry::default())?;

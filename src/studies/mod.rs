@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod diff;
 pub mod estimate;
+pub mod figures;
 pub mod study;
 pub mod sweep;
 pub mod validation;

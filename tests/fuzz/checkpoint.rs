@@ -82,7 +82,16 @@ const GRAINS: [(&str, &[(&str, &str)], u64); 7] = [
         40,
     ),
     ("hard/clumps-in-corner.ron", &[("fill[0].count", "20")], 100),
-    ("hard/lid-loses-bed.ron", &[("fill[0].count", "20"), ("free_walls[0].from", "0.0")], 50),
+    (
+        "hard/lid-loses-bed.ron",
+        &[
+            ("fill[0].count", "20"),
+            ("free_walls[0].from", "0.0"),
+            ("free_walls[0].load", "[(0.0, -10.0), (0.01, -20.0)]"),
+            ("slopes", "[(name: \"top\", falls: Along((1.0, 0.0)), low: (-9.0, -9.0), high: (9.0, 9.0), from: 0.0)]"),
+        ],
+        50,
+    ),
 ];
 
 /// Returns the seeds: [`GRAINS`], and a gas before and after its door has opened.

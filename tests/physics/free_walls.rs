@@ -55,6 +55,27 @@ fn a_wall_on_a_spring_is_an_oscillator_of_second_order() {
     assert!((order - 2.0).abs() < 0.05, "order {order}");
 }
 
+#[test]
+fn a_load_that_grows_moves_a_wall_by_the_cube_of_the_time() {
+    let mass = 2.0f64;
+    // No load until 0.1 s, then a slope of 50 N/s.
+    let exact = |time: f64| 50.0 * (time - 0.1).powi(3) / (6.0 * mass);
+    let error = |dt: f64| {
+        let free = format!("mass: {mass:?}, load: [(0.1, 0.0), (1.1, 50.0)], stops: (-0.15, 5.0)");
+        let keys = format!(
+            "gravity: (0.0, 0.0), contact: Linear(k: 1.0e4, damping: B(0.0)), step: Fixed({dt:?}), until: 2.0, {}",
+            lid(&free)
+        );
+        let mut run = simulation(&keys, far_away());
+        run.run_steps((0.9 / dt).round() as u64);
+        state(&run).coordinate - exact(0.9)
+    };
+    let (coarse, order) = order(error, 2e-3);
+    // Verlet sums the acceleration at whole steps: dt^2/12 times the difference of its slopes at the ends, times the time.
+    let expected = (2e-3f64).powi(2) / 12.0 * 50.0 / mass * 0.8;
+    assert!(coarse.abs() < 2.1 * expected && (order - 2.0).abs() < 0.1, "{coarse} {expected}, order {order}");
+}
+
 /// A disc of mass m between the floor and a loaded lid of mass M, in displacements from the state without overlaps: the lid at rest is given a push.
 /// `c` is the drag of each contact.
 struct Squeezed {

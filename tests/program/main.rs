@@ -69,11 +69,13 @@ mod searches;
 mod shaped_results;
 mod shapes;
 mod silo_file;
+mod slopes;
 mod stops;
 #[cfg(unix)]
 mod strange_runs;
 mod sweep;
 mod synchronisation;
+mod testers;
 mod texts;
 mod validate;
 mod validate_flows;

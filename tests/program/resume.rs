@@ -54,6 +54,7 @@ const CASES: [Case; 9] = [
             "until=2.1",
             "pictures=None",
             "outflow=(from: AfterDoor(0.0), to: Out(0.9))",
+            "slopes=[(name: \"surface\", falls: Outwards((0.0, 0.0)), low: (-1.0, -1.0), high: (1.0, 1.0), from: AfterDoor(0.1))]",
             "wall_bands=[(walls: \"gate\", low: -0.01, high: 0.01, bins: 2, sample: 0.003, average: 0.4)]",
         ],
     },

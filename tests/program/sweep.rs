@@ -47,6 +47,25 @@ fn assert_refused(output: &Output, words: &[&str]) {
     }
 }
 
+#[test]
+fn figures_of_a_sweep_may_come_from_tables_and_be_shares() {
+    let here = tempfile::tempdir().unwrap();
+    let column = "series.csv: largest largest_speed_m_per_s, 0 s to 0.3 s";
+    let figures = format!("figures: [\"{column}\", \"share of time_reached\", \"series.csv: speeds\"]");
+    write_sweep(here.path(), "Values(key: \"parameters.height\", values: [0.5])", &format!("seeds: [3, 5], {figures}"));
+    let output = siloflow(here.path(), &["sweep", "s.ron"]);
+    let said = text(&output.stderr);
+    assert!(output.status.success() && said.contains("there is no column `speeds`"), "{said}");
+    let mut table = csv::Reader::from_path(here.path().join("out/s/table.csv")).unwrap();
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    let mean = |row: usize| rows[row][3].parse::<f64>();
+    // The discs fall freely from 0.5 m: after 0.3 s all have 2.943 m/s.
+    assert!((mean(0).unwrap() - 2.943).abs() < 1e-9 && &rows[0][2] == column, "{rows:?}");
+    assert_eq!((mean(1), &rows[2][3]), (Ok(1.0), ""));
+    write_sweep(here.path(), "", "seeds: 1, figures: [\"series.csv: 1 s to 2 s\"]");
+    assert_refused(&siloflow(here.path(), &["sweep", "s.ron"]), &["figures[0]", "one column"]);
+}
+
 /// Five heights and three seeds, each run long enough that the sweep can be stopped within it.
 fn heights(here: &Path) {
     let axes = r#"Range(key: "parameters.height", from: 0.5, to: 0.9, count: 5)"#;

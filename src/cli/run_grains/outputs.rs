@@ -15,6 +15,7 @@ use crate::output::outflow::OutflowPlugin;
 use crate::output::pictures::PicturesPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::series::SeriesPlugin;
+use crate::output::slopes::SlopesPlugin;
 use crate::output::wall_bands::WallBandsPlugin;
 use crate::output::walls::WallForcesPlugin;
 use crate::scene::loaded::Loaded;
@@ -30,6 +31,7 @@ pub(super) struct Outputs<V: Space> {
     wall_bands: Option<WallBandsPlugin<V>>,
     profiles: Option<ProfilesPlugin<V>>,
     fields: Option<FieldsPlugin<V>>,
+    slopes: Option<SlopesPlugin<V>>,
     flow: Option<FlowPlugin<FlowOfGrains>>,
     frame_data: Option<FrameDataPlugin<V>>,
 }
@@ -79,6 +81,11 @@ impl<V: Space> Outputs<V> {
             } else {
                 Some(FieldsPlugin::create(loaded.fields(), &directory.rows(names::FIELDS))?)
             },
+            slopes: if loaded.scene.slopes.is_empty() {
+                None
+            } else {
+                Some(SlopesPlugin::create(&loaded.scene.slopes, &directory.rows(names::SLOPES))?)
+            },
             flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.rows(names::FLOW))).transpose()?,
             frame_data: FrameDataPlugin::create(loaded, world, &directory.rows(names::FRAME_DATA))?,
         })
@@ -102,6 +109,9 @@ impl<V: Space> Outputs<V> {
         }
         if let Some(fields) = self.fields {
             app.add("fields", fields);
+        }
+        if let Some(slopes) = self.slopes {
+            app.add("slopes", slopes);
         }
         if let Some(window) = loaded.scene.outflow {
             app.add("outflow", OutflowPlugin::<V> { window, species: loaded.largest_species(), space: PhantomData });

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::sweep::runs::Failure;
 use crate::cli::{picture_files, say, show};
+use crate::studies::figures::figure::Figure;
+use crate::studies::figures::summary;
 use crate::studies::sweep::directory::{State, SweepDirectory};
 use crate::studies::sweep::table::{self, RunRow};
-use crate::studies::sweep::{Sweep, Task, figures, picture};
+use crate::studies::sweep::{Sweep, Task, picture};
 use siloflow_figures::statistics::digits::short;
 use siloflow_text::fault::Fault;
 
@@ -36,9 +38,9 @@ fn list_failures(sweep: &Sweep, rows: &[RunRow], failures: &[Failure]) -> bool {
 /// Returns the rows of runs, as their directories are now.
 fn rows(sweep: &Sweep, directory: &SweepDirectory, tasks: &[Task]) -> Result<Vec<RunRow>, Fault> {
     let row = |&task: &Task| match directory.state(sweep, task)? {
-        State::Over(summary) => Ok(RunRow::of(sweep, task, Some(&summary))),
+        State::Over(summary) => Ok(RunRow::of(sweep, task, Some(&summary), &directory.run(sweep, task))),
         State::Foreign(key) => Err(directory.refuse(sweep, task, &key)),
-        _ => Ok(RunRow::of(sweep, task, None)),
+        _ => Ok(RunRow::of(sweep, task, None, &directory.run(sweep, task))),
     };
     tasks.iter().map(row).collect()
 }
@@ -102,11 +104,15 @@ fn warn_of_absent_figures(sweep: &Sweep, directory: &SweepDirectory, rows: &[Run
         if rows.iter().any(|row| row.figures[number].is_some()) {
             continue;
         }
-        let known = match directory.state(sweep, over.task) {
-            Ok(State::Over(summary)) => Vec::from_iter(figures::paths(&summary)).join(", "),
-            _ => String::new(),
-        };
-        tracing::warn!("no run has the figure `{figure}`; run {} has: {known}", sweep.run_name(over.task));
+        let Ok(State::Over(summary)) = directory.state(sweep, over.task) else { continue };
+        let run = directory.run(sweep, over.task);
+        match Figure::parse(figure, true).map(|figure| figure.in_text(&summary, &run)) {
+            Ok(Err(fault)) => tracing::warn!("no run has the figure `{figure}`: {fault}"),
+            _ => {
+                let known = Vec::from_iter(summary::paths(&summary)).join(", ");
+                tracing::warn!("no run has the figure `{figure}`; run {} has: {known}", sweep.run_name(over.task));
+            }
+        }
     }
 }
 

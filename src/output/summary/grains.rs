@@ -24,6 +24,7 @@ use crate::measure::totals;
 use crate::output::free_walls::{self, FreeWallFigures};
 use crate::output::losses::IN_SUMMARY;
 use crate::output::parent::Parent;
+use crate::output::slopes::{self, SlopeFigures};
 use crate::output::summary::{Cost, Results, Summary};
 use crate::output::{outflow, state_hash};
 use crate::rest::RestDetector;
@@ -80,6 +81,9 @@ pub struct GrainResults {
     /// The free walls at the end. The key is absent if the scene has none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub free_walls: Vec<FreeWallFigures>,
+    /// Mean slopes of free surfaces. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub slopes: Vec<SlopeFigures>,
     /// Energy balance, J.
     pub energy: Energy,
     /// Values that behaviours register, by behaviour and name. The key is absent without one.
@@ -276,6 +280,7 @@ impl GrainResults {
             feed: world.get_resource().cloned(),
             releases: world.get_resource().copied(),
             free_walls: free_walls::figures(world),
+            slopes: slopes::figures(world),
             energy: Energy {
                 kinetic: totals.kinetic,
                 rotational: totals.rotational,

@@ -6,9 +6,9 @@ use crate::scene::check::Estimates;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::math;
 use siloflow_dem::space::{Dimension, Solid};
-use siloflow_dem::values::{Finite, Positive};
+use siloflow_dem::values::Positive;
 use siloflow_dem::walls::config::Wall;
-use siloflow_dem::walls::free::{FreeWall, Freedom};
+use siloflow_dem::walls::free::{FreeWall, Freedom, Load};
 use siloflow_text::fault::Warning;
 
 pub(super) fn examine(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
@@ -44,7 +44,7 @@ pub(super) fn pressed_by_free_walls(loaded: &Loaded, radius: f64) -> f64 {
         let Some(lever) = lever(free, walls()) else { return 0.0 };
         let weight = free.mass.filter(|_| free.gravity).map_or(0.0, Positive::get);
         let weight = weight * loaded.scene.gravity.padded().length();
-        let load = free.load.map_or(0.0, Finite::get).abs() + free.motor.map_or(0.0, |motor| motor.limit.get());
+        let load = free.load.as_ref().map_or(0.0, Load::largest) + free.motor.map_or(0.0, |motor| motor.limit.get());
         (load / lever + weight) / contacts
     };
     loaded.scene.free_walls.iter().map(force).fold(0.0, f64::max)

@@ -57,6 +57,7 @@ fn users_of_heights(loaded: &Loaded) -> Vec<&'static str> {
         (!scene.wall_bands.is_empty(), "`wall_bands`"),
         (scene.outflow.is_some_and(|outflow| outflow.mass_flow.is_some()), "`outflow.mass_flow`"),
         (scene.bed.is_some(), "`bed`"),
+        (!scene.slopes.is_empty(), "`slopes`"),
         (scene.stop.iter().any(counts_above), "`stop: [Clogged(...)]`"),
         (scene.kick.is_some(), "`kick`"),
         (is_planar && has_walls && scene.periodic.is_open(), "the search for grains that are lost past the walls"),

@@ -88,6 +88,12 @@ fn ends(free: &FreeWall) -> Result<(), Broken<'static>> {
             format!("the stops {low} and {high} do not lie around the place in the scene, 0"),
             "give the lowest and the highest shift, m (angle, rad), such as `stops: (-0.1, 0.1)`",
         )
+    } else if free.load.as_ref().is_some_and(|load| !load.is_ordered()) {
+        (
+            "load",
+            "the times of the table do not ascend, or there is no row".to_owned(),
+            "give times, s, and loads, N, such as `load: [(0.0, -100.0), (1.0, -300.0)]`; a jump is a short slope",
+        )
     } else if free.rate.is_some() && free.from.is_some() {
         ("rate", "a wall that is held until `from` has no rate at the start".to_owned(), "remove `rate` or `from`")
     } else {

@@ -11,6 +11,7 @@ mod images;
 mod motions;
 mod outflow;
 mod outputs;
+mod slopes;
 mod space;
 mod stop;
 mod walls;
@@ -57,6 +58,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     outputs::bins(loaded)?;
     fields::fields(loaded)?;
     outflow::outflow(loaded)?;
+    slopes::slopes(loaded)?;
     flow(loaded)?;
     view_and_bed(loaded)?;
     outputs::pictures(loaded)?;

@@ -32,22 +32,27 @@ pub(super) fn outflow(loaded: &Loaded) -> Result<(), Fault> {
     Err(loaded.fault("scene::empty_box", key, message).help("give heights and distances from the axis in m"))
 }
 
+/// Checks that the event of a moment can happen.
+pub(super) fn can_happen(loaded: &Loaded, key: &str, moment: Moment) -> Result<(), Fault> {
+    let (message, help) = match moment {
+        Moment::AfterDoor(_) if !loaded.scene.opens_a_door() => (
+            "the window follows a door, and no door opens",
+            "add for example `door: (opens: At(0.0))`, or give times in s",
+        ),
+        Moment::AfterRest(_) if loaded.scene.rest.is_none() => (
+            "the window follows rest, and nothing detects rest",
+            "add `rest`, for example `rest: (speed: 0.1, energy: 1.0e-4, hold: 0.02)`",
+        ),
+        _ => return Ok(()),
+    };
+    Err(loaded.fault("scene::outflow", key, message).help(help))
+}
+
 /// Checks the moments of the window: they must come in their order, their events must be able to happen.
 fn window(loaded: &Loaded, outflow: &Outflow) -> Result<(), Fault> {
     let until = loaded.scene.until.get();
     for (key, moment) in [("outflow.from", outflow.from), ("outflow.to", outflow.to)] {
-        let (message, help) = match moment {
-            Moment::AfterDoor(_) if !loaded.scene.opens_a_door() => (
-                "the window follows a door, and no door opens",
-                "add for example `door: (opens: At(0.0))`, or give times in s",
-            ),
-            Moment::AfterRest(_) if loaded.scene.rest.is_none() => (
-                "the window follows rest, and nothing detects rest",
-                "add `rest`, for example `rest: (speed: 0.1, energy: 1.0e-4, hold: 0.02)`",
-            ),
-            _ => continue,
-        };
-        return Err(loaded.fault("scene::outflow", key, message).help(help));
+        can_happen(loaded, key, moment)?;
     }
     let order = match (outflow.from, outflow.to) {
         (Moment::At(from), Moment::At(to))

@@ -31,7 +31,7 @@ macro_rules! scene {
 }
 
 /// All shipped scenes: silos first, then cases of verification.
-pub const SCENES: [Shipped; 25] = [
+pub const SCENES: [Shipped; 33] = [
     scene!("silo1", "a silo with an insert, 1000 discs: fill, rest, door opens, empty", "../assets/silo1.dat"),
     scene!("silo1-mixture", "the same silo, half of the grains with radius 4 cm, half 3 cm", "../assets/silo1.dat"),
     scene!("silo1-polydisperse", "the same silo, radii from 3 to 5 cm", "../assets/silo1.dat"),
@@ -52,6 +52,14 @@ pub const SCENES: [Shipped; 25] = [
     scene!("chute3d", "spheres flow down a rough incline, periodic sides"),
     scene!("couette", "discs sheared between rough walls"),
     scene!("shear-cell", "a shear cell in the plane: discs between plates with bars, under a loaded lid"),
+    scene!("yield-locus", "a point of a yield locus: sticky discs, consolidated and sheared under a smaller load"),
+    scene!("wall-friction", "discs sheared against a smooth plate under a loaded lid"),
+    scene!("compression", "uniaxial compression of 600 spheres in a smooth cylinder"),
+    scene!("heap", "angle of repose: a cylinder of 656 spheres is lifted"),
+    scene!("draw-down", "1500 discs flow out of a slot: a heap below, slopes above"),
+    scene!("drum-angle", "dynamic angle of 950 spheres in a rotating drum"),
+    scene!("outlet", "does an outlet of 3.5 diameters clog?"),
+    scene!("drop", "a sphere falls on a plate and jumps"),
     scene!("silo2d-lattice", "lattice gas in the outline of silo2d"),
     scene!("mass-flow", "lattice gas in a mass-flow silo"),
     scene!("funnel-flow", "lattice gas in a funnel-flow silo"),

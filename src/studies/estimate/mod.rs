@@ -2,7 +2,7 @@
 //!
 //! | part | file |
 //! |---|---|
-//! | the figure: a number of the summary, or a mean over part of a table | [`figure`] |
+//! | the figure: a number of the summary, or a mean over part of a table | [`figures`](crate::studies::figures) |
 //! | windows that begin and end at events | [`moment`](crate::measure::moment) |
 //! | the keys of a scene that make it softer | [`softening`] |
 //! | how soft it may be | [`softness`] |
@@ -18,7 +18,6 @@
 
 pub mod design;
 pub mod estimator;
-pub mod figure;
 pub mod picture;
 pub mod results;
 pub mod rung;

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::output::checkpoint::find;
-use crate::studies::sweep::figures::is_failure;
+use crate::studies::figures::summary::is_failure;
 use crate::studies::sweep::{Sweep, Task};
 use siloflow_files::fnv::Fnv;
 use siloflow_files::marked::foreign_entry;

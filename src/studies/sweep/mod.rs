@@ -4,7 +4,7 @@
 //! |---|---|
 //! | the sweep file and its rules | [`plan`] |
 //! | points: the product of all axes, or a Latin hypercube | [`design`] |
-//! | the names of the figures of a run | [`figures`] |
+//! | the figures of a run | [`figures`](crate::studies::figures) |
 //! | the sweep directory and the state of each run in it | [`directory`] |
 //! | means and standard errors over the seeds | [`table`] |
 //! | fits through the means | [`statistics::fit`](siloflow_figures::statistics::fit) |
@@ -17,7 +17,6 @@
 
 pub mod design;
 pub mod directory;
-pub mod figures;
 pub mod picture;
 pub mod plan;
 pub mod script;
@@ -32,6 +31,7 @@ use crate::scene::check;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
+use crate::studies::figures::figure::Figure;
 use crate::studies::sweep::design::Point;
 use crate::studies::sweep::plan::SweepPlan;
 use siloflow_text::fault::{Fault, Warning};
@@ -110,15 +110,14 @@ impl Sweep {
         Ok(Self { name, text, plan, scene: scene.to_owned(), keys, points, copy, scene_text })
     }
 
-    /// Checks that the figures can exist in the summary of the scene.
+    /// Checks that a run of the scene can have the figures.
     fn check_figures(&self, source: &Source) -> Result<(), Fault> {
         let scene = self.base();
-        if scene.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
-            return Ok(());
-        }
+        let is_lattice = scene.value_of("method").is_some_and(|method| method.starts_with("LatticeGas"));
         for (number, figure) in self.plan.figures.iter().enumerate() {
-            if let Err((message, help)) = figures::check(figure) {
-                return Err(source.fault("sweep::figure", &format!("figures[{number}]"), message).help(help));
+            if let Err(fault) = Figure::parse(figure, is_lattice) {
+                let help = fault.remedy().unwrap_or_default().to_owned();
+                return Err(source.fault("sweep::figure", &format!("figures[{number}]"), fault.to_string()).help(help));
             }
         }
         Ok(())

@@ -3,9 +3,13 @@
 //! A row of `table.csv` has the mean over the runs that have the figure, its standard error (the sample standard deviation over the square
 //! root of n, if n > 1) and n. It also counts the runs that ended clogged, that failed, and that are missing.
 
+use std::path::Path;
+
 use serde_json::Value;
 
-use crate::studies::sweep::{Sweep, Task, figures};
+use crate::studies::figures::figure::Figure;
+use crate::studies::figures::summary::is_failure;
+use crate::studies::sweep::{Sweep, Task};
 use siloflow_figures::statistics::mean::Mean;
 
 /// A run as the tables need it.
@@ -22,22 +26,23 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// Returns the row of a run; without a summary the run is missing.
+    /// Returns the row of the run in a directory; without a summary the run is missing.
     #[must_use]
-    pub fn of(sweep: &Sweep, task: Task, summary: Option<&Value>) -> Self {
+    pub fn of(sweep: &Sweep, task: Task, summary: Option<&Value>, directory: &Path) -> Self {
         let text = |key: &str| summary.and_then(|summary| summary[key].as_str()).unwrap_or_default().to_owned();
         let status = if summary.is_some() { text("status") } else { "missing".to_owned() };
         let lost =
             || format!("{} grains were lost", summary.map_or(0, |it| it["grains"]["lost"].as_u64().unwrap_or(0)));
         let failure = if status == "grains_lost" { lost() } else { text("failure") };
-        let figure = |path: &String| summary.and_then(|summary| figures::figure(summary, path));
+        // A sweep file whose figures cannot be read is refused before a run.
+        let figure = |text: &String| Figure::parse(text, true).ok()?.in_text(summary?, directory).ok()?;
         Self { task, status, failure, figures: sweep.plan.figures.iter().map(figure).collect() }
     }
 
     /// Whether the run failed.
     #[must_use]
     pub fn is_failure(&self) -> bool {
-        figures::is_failure(&self.status)
+        is_failure(&self.status)
     }
 
     /// Whether the run has no end.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::studies::figures::summary::{figure, is_failure};
 use crate::studies::sweep::directory::SweepDirectory;
-use crate::studies::sweep::figures::{figure, is_failure};
 use crate::studies::sweep::{Sweep, Task};
 use siloflow_figures::statistics::points::{between, slope};
 use siloflow_files::table::Table;

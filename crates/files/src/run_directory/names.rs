@@ -44,6 +44,8 @@ pub const PROFILES: &str = "profiles.csv";
 pub const CENTRES: &str = "centres.csv";
 /// Fields of density, velocity and stress.
 pub const FIELDS: &str = "fields.csv";
+/// Slopes of the free surface.
+pub const SLOPES: &str = "slopes.csv";
 /// The flow field.
 pub const FLOW: &str = "flow.csv";
 /// Lost grains.
@@ -59,7 +61,7 @@ pub const HASHES: &str = "hashes.txt";
 /// Ending of what is left of a damaged file; `.damaged-2` and so on if there are several.
 pub const DAMAGED: &str = "damaged";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 18] = [
+const OWN_FILES: [&str; 19] = [
     MOVIE,
     SERIES,
     FRAME_DATA,
@@ -72,6 +74,7 @@ const OWN_FILES: [&str; 18] = [
     PROFILES,
     CENTRES,
     FIELDS,
+    SLOPES,
     FLOW,
     LOSSES,
     STATE,

@@ -11,6 +11,8 @@
 //! | `contacts` | `series.csv` | contacts per grain; largest overlap |
 //! | `speed` | `series.csv` | largest speed; of the lattice gas mean velocity, centre of mass and share at rest |
 //! | `walls` | `walls.csv`, `wall_groups.csv` | forces on walls |
+//! | `free_walls` | `free_walls.csv` | places of walls that forces move, and the force of the grains |
+//! | `slopes` | `slopes.csv` | angles of the free surface |
 //! | `bands` | `wall_bands.csv` | pressure and friction on walls by height, at rest with Janssen's law, and in flow |
 //! | `profiles` | `profiles.csv` | packing fraction, velocity and temperature in bins |
 //! | `fields` | `fields.csv`, `flow.csv` | solid fraction, speed and temperature as maps |
@@ -22,6 +24,7 @@
 
 mod bands;
 mod by_height;
+mod by_name;
 mod discharge;
 mod maps;
 mod over_time;
@@ -57,14 +60,16 @@ pub const STYLE: &str = "\
 type Draw = fn(&[&RunResults]) -> Result<Vec<Panel>, Fault>;
 
 /// All figures that have their own code: name, title and drawing.
-const FIGURES: [(&str, &str, Draw); 9] = [
+const FIGURES: [(&str, &str, Draw); 11] = [
     ("discharge", "Discharge", |runs| Ok(discharge::panels(runs))),
     ("grains", "Grains", |runs| Ok(over_time::of_groups(runs, &over_time::GRAINS))),
     ("energy", "Energy", |runs| Ok(over_time::of_groups(runs, &over_time::ENERGY))),
     ("contacts", "Contacts", |runs| Ok(over_time::of_groups(runs, &over_time::CONTACTS))),
     ("speed", "Speed", |runs| Ok(over_time::of_groups(runs, &over_time::SPEED))),
     ("walls", "Forces on walls", over_time::walls),
+    ("free_walls", "Walls that forces move", by_name::free_walls),
     ("bands", "Walls by height", bands::panels),
+    ("slopes", "Slopes", by_name::slopes),
     ("profiles", "Profiles", by_height::profiles),
     ("fields", "Fields", maps::panels),
 ];

@@ -198,8 +198,8 @@ fn is_solid(table: Option<&Table>) -> bool {
 /// Most walls in a figure: the ones with the largest forces.
 const MOST_WALLS: usize = 6;
 
-/// Returns the force on each wall over time.
-fn by_wall(table: &Table, column: &str, axis: &str) -> Vec<(String, Vec<(f64, f64)>)> {
+/// Returns a column over time, a curve for each name in another column: the force on each wall.
+pub(super) fn by_wall(table: &Table, column: &str, axis: &str) -> Vec<(String, Vec<(f64, f64)>)> {
     let (Some(times), Some(walls), Some(forces)) = (table.numbers("time_s"), table.texts(column), table.numbers(axis))
     else {
         return Vec::new();
@@ -234,7 +234,7 @@ fn sum(name: &str, table: &Table, axis: &str) -> Option<(String, Vec<(f64, f64)>
 }
 
 /// Returns a panel over time with marks of the runs.
-fn panel(
+pub(super) fn panel(
     runs: &[&RunResults],
     title: String,
     label: String,

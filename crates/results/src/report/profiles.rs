@@ -4,8 +4,9 @@ use crate::report::html::Section;
 use crate::report::run::Run;
 use crate::report::table;
 
-const TABLES: [(&str, &str); 4] = [
+const TABLES: [(&str, &str); 5] = [
     ("profiles.csv", "Profiles in bins"),
+    ("slopes.csv", "Slopes of the free surface"),
     ("centres.csv", "Centres of mass by species"),
     ("fields.csv", "Fields on grids"),
     ("flow.csv", "Field of mean velocity"),

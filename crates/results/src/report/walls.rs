@@ -24,6 +24,8 @@ pub fn section_of(runs: &[Run], figures: &str) -> Option<Section> {
         content +=
             &groups.map_or(String::new(), |html| captioned(&format!("{name}Forces on all walls of one name"), &html));
         content += &walls.map_or(String::new(), |html| captioned(&format!("{name}Forces on walls"), &html));
+        let caption = format!("{name}Walls that forces move (free_walls.csv)");
+        content += &table::details(run.table("free_walls.csv").as_ref(), &caption);
         let caption = format!("{name}Pressure and friction on walls by height");
         content += &table::details(run.table("wall_bands.csv").as_ref(), &caption);
     }

@@ -19,11 +19,13 @@
 //!
 //! Limit: dt < 2 sqrt(M/K) for the sum K of the stiffnesses of its contacts.
 
+mod load;
 pub mod plugin;
 mod state;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::load::Load;
 pub use self::state::FreeState;
 use crate::space::{Linear, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
@@ -49,8 +51,8 @@ pub struct FreeWall {
     /// Whether gravity pulls the mass. Default: yes.
     #[serde(default = "yes")]
     pub gravity: bool,
-    /// Force along the direction, N; of a hinge the torque, N m. Default 0.
-    pub load: Option<Finite>,
+    /// Force along the direction, N; of a hinge the torque, N m: constant, or straight lines between times. Default 0.
+    pub load: Option<Load>,
     /// A spring.
     pub spring: Option<WallSpring>,
     /// Coefficient of a dashpot, N s/m; of a hinge N m s. Default 0.

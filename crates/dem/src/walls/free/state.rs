@@ -43,11 +43,11 @@ struct Applied {
 }
 
 impl Applied {
-    fn of<V: Space>(wall: &FreeWall, coordinate: f64, gravity: V) -> Self {
+    fn of<V: Space>(wall: &FreeWall, coordinate: f64, time: f64, gravity: V) -> Self {
         let spring = wall
             .spring
             .map_or(0.0, |spring| spring.stiffness.get() * (spring.rest.map_or(0.0, Finite::get) - coordinate));
-        let load = wall.load.map_or(0.0, Finite::get);
+        let load = wall.load.as_ref().map_or(0.0, |load| load.at(time));
         Self {
             constant: load + spring + wall.weight(coordinate, gravity),
             damping: wall.damping.map_or(0.0, NonNegative::get),
@@ -120,7 +120,7 @@ impl FreeState {
     ) {
         let power = self.applied * self.rate;
         self.of_grains = force;
-        let applied = Applied::of(wall, self.coordinate, gravity);
+        let applied = Applied::of(wall, self.coordinate, time, gravity);
         if Self::is_held(wall, time) {
             self.applied = -force;
             self.acceleration = 0.0;
