@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::moment::Moment;
+use siloflow_dem::math;
 use siloflow_dem::space::{Solid, Space};
 use siloflow_dem::values::{FiniteVector, Positive, Share};
 use siloflow_figures::statistics::line::Line;
@@ -94,7 +95,7 @@ impl Slope {
         let count = points.len() as f64;
         let squares: f64 = points.iter().map(|(s, h)| (h - line.intercept - line.slope * s).powi(2)).sum();
         Some(Measured {
-            angle: (-line.slope).atan().to_degrees(),
+            angle: math::atan(-line.slope).to_degrees(),
             height: points.iter().map(|point| point.1).sum::<f64>() / count,
             scatter: (squares / count).sqrt(),
             points: points.len(),

@@ -81,8 +81,11 @@ fn both_spheres_of_a_grain_count_if_one_touches() {
     let mut grains = "id,shape,scale,mass,angle,x,y,vx,vy\n".to_owned();
     for id in 1..=8 {
         let height = 0.0999 + 0.05 * 0.5_f64.sqrt();
-        grains +=
-            &format!("{id},pair,1.0,0.05,{},{},{height},0,0\n", std::f64::consts::FRAC_PI_4, 0.5 * f64::from(id) + 0.25);
+        grains += &format!(
+            "{id},pair,1.0,0.05,{},{},{height},0,0\n",
+            std::f64::consts::FRAC_PI_4,
+            0.5 * f64::from(id) + 0.25
+        );
     }
     fs::write(here.path().join("pairs.csv"), grains).unwrap();
     let scene = "(gravity: (0.0, 0.0), contact: Linear(k: 1.0e4, damping: Restitution(0.5)), step: Fixed(1.0e-5), until: 1.0e-4, mass: Disc(1.0),

@@ -58,7 +58,7 @@ pub const SCENES: [Shipped; 33] = [
     scene!("heap", "angle of repose: a cylinder of 656 spheres is lifted"),
     scene!("draw-down", "1500 discs flow out of a slot: a heap below, slopes above"),
     scene!("drum-angle", "dynamic angle of 950 spheres in a rotating drum"),
-    scene!("outlet", "does an outlet of 3.5 diameters clog?"),
+    scene!("outlet", "does an outlet of 4.5 diameters clog?"),
     scene!("drop", "a sphere falls on a plate and jumps"),
     scene!("silo2d-lattice", "lattice gas in the outline of silo2d"),
     scene!("mass-flow", "lattice gas in a mass-flow silo"),
