@@ -60,6 +60,11 @@ class Engine {
     }
   }
 
+  /** Tells the worker that its last picture is on the screen. */
+  drawn() {
+    requestAnimationFrame(() => setTimeout(() => this.worker?.postMessage({ what: "drawn" })));
+  }
+
   stop() {
     this.worker?.terminate();
     this.worker = null;

@@ -207,7 +207,12 @@ function stopRun() {
 }
 
 /** Starts a run at its first moment. Returns whether it could be started. */
-async function begin() {
+function begin() {
+  page.beginning = beginNow();
+  return page.beginning;
+}
+
+async function beginNow() {
   stopRun();
   const examined = page.examined;
   if (!examined) return false;
@@ -245,6 +250,7 @@ function hear({ sample, picture, isLattice, isRunning, crash }) {
     return updateControls();
   }
   showPicture(picture, isLattice);
+  running?.drawn();
   showFacts(sample, isLattice);
   curves?.add(sample);
   page.events ??= sample.events;
@@ -397,8 +403,16 @@ function updateControls() {
 /** Makes the run ready that a button acts on: a new one, if the text has changed or the last run is over. */
 async function ready() {
   if ((editor.value !== page.text || page.timer) && !(await examine())) return false;
+  // It may just be starting.
+  await page.beginning;
   if (editor.value === page.text && (page.state === "ready" || page.state === "paused")) return true;
   return begin();
+}
+
+/** Does what buttons ask for one after the other. */
+function alone(act) {
+  page.last = (page.last ?? Promise.resolve()).then(act).catch((trouble) => trouble?.message && showTrouble(trouble));
+  return page.last;
 }
 
 async function go(toEvent) {
@@ -420,10 +434,10 @@ async function pause() {
   }
 }
 
-at("run").addEventListener("click", () => go(false));
-at("event").addEventListener("click", () => go(true));
-at("step").addEventListener("click", async () => (await ready()) && running.ask("step"));
-at("restart").addEventListener("click", async () => (await examine()) && begin());
+at("run").addEventListener("click", () => alone(() => go(false)));
+at("event").addEventListener("click", () => alone(() => go(true)));
+at("step").addEventListener("click", () => alone(async () => (await ready()) && running.ask("step")));
+at("restart").addEventListener("click", () => alone(async () => (await examine()) && begin()));
 at("speed").addEventListener("change", () => page.state === "running" && running.ask("run", { speed: Number(at("speed").value), toEvent: false }));
 at("shipped").addEventListener("change", () => at("shipped").value && take({ name: at("shipped").value, from: at("shipped").value, isShipped: true }));
 at("link").addEventListener("click", async () => {

@@ -75,11 +75,12 @@ function latestPicture() {
   return name ? pictures.get(name).data.slice() : null;
 }
 
-const run = { isLattice: false, contacts: false, pace: null, wish: 0, shown: 0 };
+/** `isDrawn` is whether the page has drawn the last picture: a slow one gets fewer of them, so that it hears its user. */
+const run = { isLattice: false, contacts: false, pace: null, wish: 0, shown: 0, isDrawn: true };
 
 function show(sample) {
   const picture = run.isLattice ? latestPicture() : call("picture", "", Number(run.contacts));
-  run.shown = performance.now();
+  Object.assign(run, { shown: performance.now(), isDrawn: false });
   postMessage({ sample, picture, isLattice: run.isLattice, isRunning: run.wish > 0 }, picture ? [picture.buffer] : []);
 }
 
@@ -101,7 +102,7 @@ function slice(wish) {
   if (Number.isFinite(speed) && target - sample.time > speed) Object.assign(run.pace, { moment: performance.now(), start: sample.time });
   const isEvent = toEvent && sample.is_reached;
   if (sample.status || isEvent) run.wish = 0;
-  if (sample.status || isEvent || performance.now() - run.shown > BETWEEN_PICTURES) show({ ...sample, wall: run.stepping / 1000 });
+  if (sample.status || isEvent || (run.isDrawn && performance.now() - run.shown > BETWEEN_PICTURES)) show({ ...sample, wall: run.stepping / 1000 });
   if (run.wish) next(wish, 0);
 }
 
@@ -136,7 +137,9 @@ const commands = {
     next(run.wish, 0);
   },
   pause: () => {
+    if (!run.wish) return;
     run.wish = 0;
+    show({ ...asJson("sample"), wall: run.stepping / 1000 });
   },
   step: () => {
     run.wish = 0;
@@ -165,6 +168,10 @@ function guarded(act) {
 }
 
 onmessage = async ({ data: { id, what, ...rest } }) => {
+  if (what === "drawn") {
+    run.isDrawn = true;
+    return;
+  }
   try {
     const result = await guarded(() => commands[what](rest));
     postMessage({ id, result });
