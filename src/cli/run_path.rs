@@ -47,13 +47,11 @@ pub(super) fn run_from_start(
     path: &Path,
     options: &RunOptions,
 ) -> Result<RunResult, Fault> {
-    match prepare(scene, path, options)? {
-        Some(Prepared { simulation, directory }) => Ok(run_to_end(scene, simulation, &directory, options)),
-        None => {
-            let exit_status = options.signals.received().map_or(ExitStatus::Failed, ExitStatus::Interrupted);
-            Ok(RunResult { words: String::new(), json: String::new(), exit_status })
-        }
+    if let Some(Prepared { simulation, directory }) = prepare(scene, path, options)? {
+        return Ok(run_to_end(scene, simulation, &directory, options));
     }
+    let exit_status = options.signals.received().map_or(ExitStatus::Failed, ExitStatus::Interrupted);
+    Ok(RunResult { words: String::new(), json: String::new(), exit_status })
 }
 
 /// Checks a scene, builds its simulation, runs step zero and moves the run directory to `path`; `None` after a signal.

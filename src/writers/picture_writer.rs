@@ -104,13 +104,12 @@ impl PictureWriter {
     fn send(&mut self, make: MakePicture) -> Result<(), Failure> {
         let path = self.directory.join(format!("{:05}.svg", self.count));
         self.count += 1;
-        let mut drawing_thread = match self.drawing_thread.take() {
-            Some(drawing_thread) => drawing_thread,
-            None => {
-                let drawing = Drawing { png: self.png, guard: self.guard.clone(), files: self.files.clone() };
-                Background::start("pictures", MAX_WAITING_PICTURES, drawing, Drawing::draw)
-                    .map_err(|error| failed(&path, &error))?
-            }
+        let mut drawing_thread = if let Some(drawing_thread) = self.drawing_thread.take() {
+            drawing_thread
+        } else {
+            let drawing = Drawing { png: self.png, guard: self.guard.clone(), files: self.files.clone() };
+            Background::start("pictures", MAX_WAITING_PICTURES, drawing, Drawing::draw)
+                .map_err(|error| failed(&path, &error))?
         };
         let is_added = drawing_thread.add(Task { path, make });
         self.drawing_thread = Some(drawing_thread);

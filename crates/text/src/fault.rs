@@ -73,7 +73,7 @@ impl Fault {
     /// The file of the place, as messages show it.
     #[must_use]
     pub fn file(&self) -> Option<&str> {
-        self.0.place.as_ref().map(|place| place.name())
+        self.0.place.as_ref().map(Excerpt::name)
     }
 
     /// The number of characters that the fault points at, in one line.

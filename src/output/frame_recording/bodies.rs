@@ -51,7 +51,7 @@ pub(super) fn table<V: Space>(store: &ParticleStore<V>) -> Table {
     ];
     match V::DIMENSION {
         Dimension::Plane => {
-            columns.push(column("angle", "rad", 1, of_rotor(|rotor| 2.0 * math::atan2(rotor.z, rotor.w))))
+            columns.push(column("angle", "rad", 1, of_rotor(|rotor| 2.0 * math::atan2(rotor.z, rotor.w))));
         }
         Dimension::Solid => columns.extend([
             column("qw", "", 1, of_rotor(|rotor| rotor.w)),
