@@ -17,7 +17,7 @@ const PAGE = process.argv[3] ?? join(here, "dist/siloflow.html");
 const PLAYER = join(here, "../../crates/results/src/report/player");
 /** Scripts of the player that a live view needs. */
 const PLAYER_SCRIPTS = ["decode", "colours", "camera", "shaders", "walls", "occlusion", "renderer", "flat_renderer", "view", "form", "moments", "pointer"];
-const PAGE_SCRIPTS = ["engine", "editor", "link", "downloads", "curves", "live", "main"];
+const PAGE_SCRIPTS = ["engine", "editor", "link", "downloads", "curves", "live", "state", "scene", "parameters", "run", "look", "main"];
 
 const read = (...path) => readFileSync(join(...path), "utf8");
 /** Most bytes of the page, as a server sends it. */

@@ -269,6 +269,25 @@ def keyboard_alone(browser, address):
     view.close()
 
 
+# A program whose function `shipped` fails, as WebAssembly.
+FAILING = """WebAssembly.compile = async () => new WebAssembly.Module(new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 127, 3, 2, 1, 0,
+  5, 3, 1, 0, 1, 7, 20, 2, 6, 109, 101, 109, 111, 114, 121, 2, 0, 7, 115, 104, 105, 112, 112, 101, 100, 0, 0, 10, 5, 1, 3, 0, 0, 11]));"""
+
+
+def failing_program(browser, address):
+    """A program that fails ends in a message, and the text is there."""
+    view = Page(browser, address)
+    view.wait_until_right()
+    view.page.locator("#text").fill("(my: scene)")
+    view.verdict()
+    view.context.add_init_script(FAILING)
+    view.page.reload()
+    view.page.wait_for_selector("#crash:visible", timeout=20_000)
+    said = view.page.locator("#crash").inner_text()
+    check("failed" in said and "unreachable" in said and view.text() == "(my: scene)", said, view.text())
+    view.close()
+
+
 def every_shipped_scene(view):
     """Each shipped scene can be opened; a refused one says why."""
     names = [option for option in view.page.locator("#shipped option").evaluate_all("(all) => all.map((o) => o.value)") if option]
@@ -330,6 +349,7 @@ def main(program, file, directory):
         every_shipped_scene(view)
         view.close()
         hostile_links(browser, address, directory)
+        failing_program(browser, address)
         keyboard_alone(browser, address)
         for name, size in SIZES.items():
             for scheme in ("light", "dark"):

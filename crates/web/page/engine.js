@@ -24,6 +24,7 @@ class Engine {
     this.worker.onmessage = ({ data }) => this.receive(data);
     this.worker.onerror = (event) => this.receive({ crash: event.message || "the worker could not be started" });
     this.loaded = this.module.then((module) => this.post("load", { module }));
+    this.loaded.catch(() => {});
   }
 
   receive({ id, result, trouble, ...told }) {
@@ -39,7 +40,7 @@ class Engine {
     return new Promise((resolve, reject) => {
       const id = ++this.count;
       const giveUp = () => {
-        this.stop();
+        this.waiting.delete(id);
         reject({ message: `The program did not answer within ${patience / 1000} s.`, help: "make the scene smaller, or run it with the program on your machine", isCrash: true });
       };
       const timer = Number.isFinite(patience) ? setTimeout(giveUp, patience) : 0;
@@ -51,8 +52,8 @@ class Engine {
   /** Asks the program; rejects with its trouble. */
   async ask(what, rest = {}, patience = Infinity) {
     if (!this.worker) this.start();
-    await this.loaded;
     try {
+      await this.loaded;
       return await this.post(what, rest, patience);
     } catch (trouble) {
       if (trouble.isCrash) this.stop();
@@ -65,9 +66,14 @@ class Engine {
     requestAnimationFrame(() => setTimeout(() => this.worker?.postMessage({ what: "drawn" })));
   }
 
+  /** Ends the worker. What is being asked is rejected, so that nobody waits for ever. */
   stop() {
     this.worker?.terminate();
     this.worker = null;
+    for (const { reject, timer } of this.waiting.values()) {
+      clearTimeout(timer);
+      reject({ isStopped: true });
+    }
     this.waiting.clear();
   }
 }
