@@ -44,15 +44,18 @@ impl Events {
     }
 }
 
-/// Grains whose departures give the present outflow.
+/// Grains whose departures give the present outflow, and the fewest: of two alone it would be one over a chance interval.
 const WINDOW: u32 = 20;
+const FEWEST: u32 = 10;
 
-/// The outflow since the last [`WINDOW`] departures, grains/s.
+/// The outflow since the last [`WINDOW`] departures, grains/s; 0 before there are [`FEWEST`].
 fn outflow(ledger: &Ledger, now: f64) -> f64 {
     let departures = &ledger.departures;
     let last = departures.count().saturating_sub(1);
-    let since = departures.nearest(last.saturating_sub(WINDOW)).filter(|departure| departure.number < last);
-    since.map_or(0.0, |since| f64::from(last - since.number) / (now - since.time).max(f64::MIN_POSITIVE))
+    let since = departures
+        .nearest(last.saturating_sub(WINDOW))
+        .filter(|departure| departure.number + FEWEST <= last && departure.time < now);
+    since.map_or(0.0, |since| f64::from(last - since.number) / (now - since.time))
 }
 
 /// The present numbers, SI. Of the lattice gas `time` counts steps, and there are no totals.
