@@ -48,11 +48,11 @@ fn request() -> Result<String, Fault> {
 }
 
 /// Answers with bytes, or with the trouble as JSON.
-fn answer(make: impl FnOnce(&mut Option<Run>) -> Result<Vec<u8>, Fault>) -> u32 {
+fn answer(act: impl FnOnce(&mut Option<Run>) -> Result<Vec<u8>, Fault>) -> u32 {
     PAGE.with_borrow_mut(|page| {
-        let made = make(&mut page.run);
-        let is_done = made.is_ok();
-        page.answer = made.unwrap_or_else(|fault| json(&Trouble::of(&fault)));
+        let result = act(&mut page.run);
+        let is_done = result.is_ok();
+        page.answer = result.unwrap_or_else(|fault| json(&Trouble::of(&fault)));
         is_done.into()
     })
 }

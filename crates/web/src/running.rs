@@ -21,7 +21,7 @@ pub const RUN: &str = "/run";
 
 /// A run that goes on.
 pub struct Run {
-    run: SlicedRun,
+    engine: SlicedRun,
     pictures: Option<Pictures>,
     last: Slice,
 }
@@ -32,23 +32,23 @@ impl Run {
         let registry = Registry::default();
         let scene = load::any(Path::new(path), &[])?;
         refuse_large(&scene, &check::examine(&scene, &registry, &Budget::usual())?)?;
-        let run = SlicedRun::start(scene, registry, Path::new(RUN))?;
-        let pictures = Pictures::of(&run);
-        Ok(Self { run, pictures, last: Slice::Over })
+        let engine = SlicedRun::start(scene, registry, Path::new(RUN))?;
+        let pictures = Pictures::of(&engine);
+        Ok(Self { engine, pictures, last: Slice::Over })
     }
 
     /// Steps for at most so many milliseconds, not beyond a time, and with `to_event` not beyond the next event.
     pub fn advance(&mut self, milliseconds: f64, until: f64, to_event: bool) {
         let longest = Duration::try_from_secs_f64(milliseconds / 1000.0).unwrap_or_default();
-        let before = Events::of(self.run.world());
-        self.last = self.run.advance(longest, move |world| {
+        let before = Events::of(self.engine.world());
+        self.last = self.engine.advance(longest, move |world| {
             world.resource::<Clock>().has_reached(until) || to_event && Events::of(world) != before
         });
     }
 
     /// The present numbers.
     pub fn sample(&mut self) -> Sample {
-        Sample::of(self.run.world(), self.last)
+        Sample::of(self.engine.world(), self.last)
     }
 
     /// The present state for the player.
@@ -56,12 +56,12 @@ impl Run {
         let pictures = self.pictures.as_mut();
         let pictures = pictures
             .ok_or_else(|| Fault::new("page::picture", "the lattice gas has pictures of its own in /run/frames"))?;
-        pictures.next(self.run.world(), contacts)
+        pictures.next(self.engine.world(), contacts)
     }
 
     /// Ends the run, and writes its state and its summary. Returns the summary in words.
     pub fn finish(self) -> String {
-        self.run.finish().words
+        self.engine.finish().words
     }
 }
 

@@ -78,15 +78,14 @@ pub struct Sample {
 }
 
 impl Sample {
-    pub fn of(world: &World, last: Slice) -> Self {
+    pub fn of(world: &World, slice: Slice) -> Self {
         let clock = world.resource::<Clock>();
         let end = world.resource::<Outcome>().end();
-        let counts = match world.get_resource::<Gas>() {
-            Some(gas) => [gas.entered(), gas.inside(), gas.out(), 0],
-            None => {
-                let ledger = world.resource::<Ledger>();
-                [ledger.released, ledger.inside(), ledger.out(), ledger.lost()].map(u64::from)
-            }
+        let counts = if let Some(gas) = world.get_resource::<Gas>() {
+            [gas.entered(), gas.inside(), gas.out(), 0]
+        } else {
+            let ledger = world.resource::<Ledger>();
+            [ledger.released, ledger.inside(), ledger.out(), ledger.lost()].map(u64::from)
         };
         let [released, inside, out, lost] = counts;
         let is_lattice = world.contains_resource::<Gas>();
@@ -100,7 +99,7 @@ impl Sample {
             outflow: world.get_resource::<Ledger>().map(|ledger| outflow(ledger, clock.time())),
             totals: (!is_lattice).then(|| totals::of_world(world)),
             events: Events::of(world),
-            is_reached: last == Slice::Reached,
+            is_reached: slice == Slice::Reached,
             status: end.map(End::word),
             failure: match end {
                 Some(End::Failed(failure)) => Some(failure.to_string()),
