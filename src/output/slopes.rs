@@ -18,6 +18,7 @@ use siloflow_dem::persist::{PersistApp as _, Problem};
 use siloflow_dem::space::{Dimension, Space};
 use siloflow_dem::step::{Clock, Step};
 use siloflow_dem::survey::{Partner, Survey, SurveyParam};
+use siloflow_dem::values::Positive;
 use siloflow_files::columns::Cell::{Decimal, Scientific, Text, Whole};
 use siloflow_files::columns::{Column, Columns};
 use siloflow_files::growing::OutputPlace;
@@ -167,7 +168,7 @@ fn write_rows<V: Space>(
     let diameter = mean_diameter(survey.survey());
     let SlopesFile { rows, columns, slopes, sums } = &mut *file;
     for (slope, sums) in slopes.iter().zip(sums) {
-        let cell = slope.cell.map(|cell| cell.get()).or(diameter.map(|diameter| 2.0 * diameter));
+        let cell = slope.cell.map(Positive::get).or(diameter.map(|diameter| 2.0 * diameter));
         let measured = cell.and_then(|cell| slope.measure(spheres.iter().copied(), cell));
         let counts = match slope.from {
             Some(from) => from.after(events).is_some_and(|from| clock.has_reached(from)),

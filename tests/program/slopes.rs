@@ -1,5 +1,7 @@
 //! The scene key `slopes`: grains on an inclined wall, so that the angle is known.
 
+use std::f64::consts::FRAC_PI_4;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -20,7 +22,7 @@ fn run(here: &Path, space: &str, more: &str) -> (Value, Table) {
         let x = along * angle.cos() + above * angle.sin();
         let height = above * angle.cos() - along * angle.sin();
         let place = if is_solid { format!("{x},0.0,{height},0,0,0") } else { format!("{x},{height},0,0") };
-        grains += &format!("{id},0.1,1.0,{place}\n");
+        writeln!(grains, "{id},0.1,1.0,{place}").unwrap();
     };
     (1..=20).for_each(|id| add(id, 0.3 * f64::from(id), 0.0999));
     add(21, 2.0, 1.0);
@@ -81,11 +83,8 @@ fn both_spheres_of_a_grain_count_if_one_touches() {
     let mut grains = "id,shape,scale,mass,angle,x,y,vx,vy\n".to_owned();
     for id in 1..=8 {
         let height = 0.0999 + 0.05 * 0.5_f64.sqrt();
-        grains += &format!(
-            "{id},pair,1.0,0.05,{},{},{height},0,0\n",
-            std::f64::consts::FRAC_PI_4,
-            0.5 * f64::from(id) + 0.25
-        );
+        let x = 0.5 * f64::from(id) + 0.25;
+        writeln!(grains, "{id},pair,1.0,0.05,{FRAC_PI_4},{x},{height},0,0").unwrap();
     }
     fs::write(here.path().join("pairs.csv"), grains).unwrap();
     let scene = "(gravity: (0.0, 0.0), contact: Linear(k: 1.0e4, damping: Restitution(0.5)), step: Fixed(1.0e-5), until: 1.0e-4, mass: Disc(1.0),

@@ -1,5 +1,6 @@
 //! Bench tests of grains: shipped scenes and small ones, against closed forms.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -10,7 +11,9 @@ use siloflow_files::table::Table;
 fn table(here: &Path, scene: &Path, settings: &[&str], file: &str) -> Table {
     let name = scene.display().to_string();
     let mut arguments = vec!["run", &name, "--quiet", "--force", "--out", "out"];
-    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
     let output = siloflow(here, &arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     Table::parse(file, &fs::read_to_string(here.join("out").join(file)).unwrap()).unwrap()
@@ -88,7 +91,8 @@ fn ordered_discs_press_sideways_by_the_tangent_of_their_contacts() {
         for place in 0..if is_long { 6 } else { 5 } {
             id += 1;
             let x = radius + pitch * (f64::from(place) + if is_long { 0.0 } else { 0.5 });
-            grains += &format!("{id},{radius},0.3,{x},{},0,0\n", radius + rise * f64::from(row));
+            let height = radius + rise * f64::from(row);
+            writeln!(grains, "{id},{radius},0.3,{x},{height},0,0").unwrap();
         }
     }
     fs::write(here.path().join("grains.csv"), grains).unwrap();

@@ -106,12 +106,11 @@ fn warn_of_absent_figures(sweep: &Sweep, directory: &SweepDirectory, rows: &[Run
         }
         let Ok(State::Over(summary)) = directory.state(sweep, over.task) else { continue };
         let run = directory.run(sweep, over.task);
-        match Figure::parse(figure, true).map(|figure| figure.in_text(&summary, &run)) {
-            Ok(Err(fault)) => tracing::warn!("no run has the figure `{figure}`: {fault}"),
-            _ => {
-                let known = Vec::from_iter(summary::paths(&summary)).join(", ");
-                tracing::warn!("no run has the figure `{figure}`; run {} has: {known}", sweep.run_name(over.task));
-            }
+        if let Ok(Err(fault)) = Figure::parse(figure, true).map(|figure| figure.in_text(&summary, &run)) {
+            tracing::warn!("no run has the figure `{figure}`: {fault}");
+        } else {
+            let known = Vec::from_iter(summary::paths(&summary)).join(", ");
+            tracing::warn!("no run has the figure `{figure}`; run {} has: {known}", sweep.run_name(over.task));
         }
     }
 }
