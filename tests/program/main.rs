@@ -69,6 +69,7 @@ mod searches;
 mod shaped_results;
 mod shapes;
 mod silo_file;
+mod sliced;
 mod slopes;
 mod stops;
 #[cfg(unix)]
