@@ -51,7 +51,8 @@ fn in_slices(name: &str, settings: &[(&str, &str)], out: &Path) -> u32 {
     };
     let mut frames = header.map(LiveFrames::new);
     let mut slices = 0;
-    while run.advance(Duration::from_micros(300), |_| false) == Slice::Over {
+    // A slice of no time ends after its first steps, on any machine.
+    while run.advance(Duration::ZERO, |_| false) == Slice::Over {
         slices += 1;
         match &mut frames {
             Some(frames) if frames.header().dimension == 2 => look::<Plane>(&mut run, frames),
