@@ -65,7 +65,7 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<ExitStatus,
     Ok(ExitStatus::Done)
 }
 
-/// What a check finds in a scene that can be run.
+/// The findings of a check in a scene that can be run.
 #[derive(Clone, Debug)]
 pub struct Findings {
     /// Estimates, a line for each: a name and a value.

@@ -36,7 +36,7 @@ pub struct SlicedRun {
 pub enum Slice {
     /// Its time is over.
     Over,
-    /// What the caller waits for has come.
+    /// The condition of the caller holds.
     Reached,
     /// The run has ended.
     Ended,

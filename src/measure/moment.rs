@@ -13,6 +13,8 @@ use ron::value::RawValue;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::door::DoorState;
+use crate::rest::RestDetector;
 use siloflow_dem::values::{NonNegative, Share};
 
 /// A moment of a run.
@@ -35,6 +37,14 @@ pub struct Events {
     pub door: Option<f64>,
     /// When the bed came to rest.
     pub rest: Option<f64>,
+}
+
+impl Events {
+    /// The events of a run so far, of which its first door and its detector of rest know.
+    #[must_use]
+    pub fn of(door: Option<&DoorState>, rest: Option<&RestDetector>) -> Self {
+        Self { door: door.and_then(DoorState::open_time), rest: rest.and_then(|rest| rest.rest_time) }
+    }
 }
 
 impl Moment {

@@ -37,16 +37,11 @@ pub(crate) struct OutflowState {
 pub(crate) fn figures(world: &World) -> Option<OutflowFigures> {
     let OutflowWindow(outflow, _) = world.get_resource::<OutflowWindow>()?;
     let sums = &world.get_resource::<OutflowState>()?.sums;
-    let events = events(world.get_resource::<DoorState>(), world.get_resource::<RestDetector>());
+    let events = Events::of(world.get_resource::<DoorState>(), world.get_resource::<RestDetector>());
     let released = world.resource::<Ledger>().released;
     let time = |moment: Moment| moment.time(events, |share| sums.time_of(share, released));
     let window = Window { from: time(outflow.from)?, to: time(outflow.to)? };
     (window.from < window.to).then(|| sums.figures(window, world.resource::<Clock>().time()))
-}
-
-/// The events of a run so far.
-fn events(door: Option<&DoorState>, rest: Option<&RestDetector>) -> Events {
-    Events { door: door.and_then(DoorState::open_time), rest: rest.and_then(|rest| rest.rest_time) }
 }
 
 fn observe<V: Space>(
@@ -80,7 +75,7 @@ fn sample_is_due(
     rest: Option<Res<RestDetector>>,
 ) -> bool {
     let before = |event: &f64| *event < clock.time();
-    let Events { door, rest } = events(door.as_deref(), rest.as_deref());
+    let Events { door, rest } = Events::of(door.as_deref(), rest.as_deref());
     let Some(Window { from, to }) = window.0.after(Events { door: door.filter(before), rest: rest.filter(before) })
     else {
         return false;

@@ -163,7 +163,7 @@ fn write_rows<V: Space>(
 ) {
     let time = clock.time();
     let ends = outcome.end().is_some();
-    let events = Events { door: door.and_then(|door| door.open_time()), rest: rest.and_then(|rest| rest.rest_time) };
+    let events = Events::of(door.as_deref(), rest.as_deref());
     let spheres = spheres_in_touch(survey.survey());
     let diameter = mean_diameter(survey.survey());
     let SlopesFile { rows, columns, slopes, sums } = &mut *file;

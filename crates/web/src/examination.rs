@@ -64,7 +64,7 @@ struct Parameter {
     value: f64,
 }
 
-/// What is found in a scene that can be run.
+/// The findings in a scene that can be run.
 #[derive(Serialize)]
 pub struct Examination {
     title: String,

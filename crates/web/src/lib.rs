@@ -29,7 +29,7 @@ use siloflow::text::fault::Fault;
 use crate::examination::Trouble;
 use crate::running::Run;
 
-/// What the page asks for, as text.
+/// The path of the file with the request of the page.
 const REQUEST: &str = "/request";
 
 #[derive(Default)]

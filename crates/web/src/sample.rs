@@ -12,7 +12,7 @@ use siloflow::measure::totals::{self, Totals};
 use siloflow::prelude::World;
 use siloflow::rest::RestDetector;
 
-/// What has happened so far.
+/// The events of a run so far.
 #[derive(Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Events {
     /// Whether grains have come to rest.
