@@ -6,6 +6,7 @@
 //!
 //! * every contact law, in the plane and in solid space, with one species and with three;
 //! * walls of every kind, periodic sides, and grains that enter and are removed;
+//! * grains of several spheres, bodies of revolution and others ([`shaped`]);
 //! * each scheme, neighbour search and instruction set, one and two threads, with the energy balance and without.
 //!
 //! To show that the comparison can fail, each number of each law is changed slightly, and the scheme is exchanged. The
@@ -14,6 +15,7 @@
 mod compare;
 mod scene;
 mod scene_text;
+mod shaped;
 
 use siloflow::dem::instruction_set::InstructionSet;
 use siloflow_oracle::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
@@ -80,6 +82,27 @@ fn assert_same(first: usize, law: Law) {
                 let scene = Scene::new(law, solid, around, scheme, small(solid));
                 let seen = assert_agree(&scene, options.next().unwrap());
                 assert_changes_are_found(&scene, &seen);
+            }
+        }
+    }
+}
+
+/// Compares all small scenes in which grains have shapes, with this law.
+fn assert_same_with_shapes(first: usize, law: Law) {
+    let mut options = (first..).map(RunOptions::of);
+    for solid in [false, true] {
+        for around in Surroundings::ALL {
+            for scheme in [Scheme::Verlet, Scheme::Centred] {
+                let mut scene = Scene::new(law, solid, around, scheme, small(solid)).with_shapes();
+                let seen = assert_agree(&scene, options.next().unwrap());
+                assert_changes_are_found(&scene, &seen);
+                scene.clumps[0].inverse_inertias[2] *= 1.0 + RELATIVE_CHANGE;
+                let found = differences(&scene.simulator(), &seen);
+                assert!(
+                    found[SAMPLE_STEPS.len() - 1] > 5.0,
+                    "{}: a change of an inertia is not detected",
+                    scene.title()
+                );
             }
         }
     }
@@ -208,6 +231,18 @@ fn twisting_resistance_agrees() {
     assert_same(30, Law { twisting: twisting(Damping::B(1.0)), ..linear });
     let hertz = Law { adhesion: Some(Adhesion::Dmt(40.0)), ..hertz(0.6, false, Some(0.3), None, true) };
     assert_same(31, Law { twisting: twisting(Damping::PerMass(30.0)), ..hertz });
+}
+
+#[test]
+fn grains_of_several_spheres_agree() {
+    assert_same_with_shapes(
+        32,
+        with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling(Damping::B(2.0)), true),
+    );
+    assert_same_with_shapes(33, with_friction(Damping::PerMass(80.0), dashpot(Damping::OfNormal(0.8)), None, false));
+    assert_same_with_shapes(34, hertz(0.6, true, Some(0.3), None, false));
+    assert_same_with_shapes(35, jkr(40.0, true, hertz(0.6, true, Some(0.3), None, true)));
+    assert_same_with_shapes(36, linear(Damping::Restitution(0.6), true));
 }
 
 #[test]

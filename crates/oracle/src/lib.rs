@@ -14,6 +14,7 @@
 )]
 
 pub mod centred;
+pub mod clump;
 pub mod law;
 pub mod plain;
 pub mod simulator;

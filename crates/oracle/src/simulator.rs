@@ -6,11 +6,13 @@
 //!
 //! A grain beyond a periodic side is shifted by the length of the box. Two particles interact by the shortest
 //! separation of their images. Moving walls keep their velocity. Grains enter, and grains that have fallen far enough
-//! are removed. The memory of a contact lasts as long as the contact acts in every step.
+//! are removed. A grain of several spheres is a centre of mass and its spheres ([`Clump`]). The memory of a contact lasts as long as the contact
+//! acts in every step.
 
 use std::collections::BTreeMap;
 
 use crate::centred::{VelocityPrediction, centred, start};
+use crate::clump::Clump;
 use crate::law::{Reduced, Terms};
 use crate::plain::{Action, Memory, PairState, Times, plain};
 use crate::vector::V;
@@ -23,15 +25,29 @@ pub enum Scheme {
     ExplicitEuler,
 }
 
-/// A grain, or a wall grain if it is fixed.
+/// Which part of a grain a body is.
+#[derive(Clone, Copy, Debug)]
+pub enum Part {
+    /// A grain of one sphere, or a wall grain.
+    Whole,
+    /// The centre of mass of the clump with this number.
+    Centre(usize),
+    /// A sphere of the clump whose centre has this number among the bodies, with its gains of velocity (m/s) and spin (rad/s) in half a step.
+    Sphere { of: usize, gains: [V; 2] },
+}
+
+/// A grain or a part of it, or a wall grain if it is fixed.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
+    pub part: Part,
+    /// The place of a sphere from the centre of its clump, m.
+    pub arm: V,
     pub position: V,
     pub velocity: V,
     pub spin: V,
     pub radius: f64,
     pub mass: f64,
-    /// kg m^2.
+    /// kg m^2. A sphere of a clump has the harmonic mean of the principal moments.
     pub inertia: f64,
     pub species: usize,
     pub is_fixed: bool,
@@ -73,6 +89,7 @@ pub struct Wall {
 #[derive(Clone, Debug)]
 pub struct Simulator {
     pub bodies: Vec<Body>,
+    pub clumps: Vec<Clump>,
     pub walls: Vec<Wall>,
     /// Lower and upper ends.
     pub periodic: [Option<(f64, f64)>; 3],
@@ -118,6 +135,34 @@ impl Body {
     fn inverse_inertia(&self) -> f64 {
         if self.is_fixed { 0.0 } else { 1.0 / self.inertia }
     }
+
+    pub fn is_sphere_of_clump(&self) -> bool {
+        matches!(self.part, Part::Sphere { .. })
+    }
+
+    /// Whether contacts act on it: a centre of mass has none of its own.
+    fn is_solid(&self) -> bool {
+        !matches!(self.part, Part::Centre(_))
+    }
+
+    /// Advances velocity and spin by the loads in the time `kick`, s. Clumps turn by themselves.
+    fn kick(&mut self, kick: f64) {
+        if self.is_sphere_of_clump() {
+            return;
+        }
+        self.velocity += self.force * (kick * self.inverse_mass());
+        if self.is_solid() {
+            self.spin += self.torque * (kick * self.inverse_inertia());
+        }
+    }
+
+    /// Returns the gains of velocity and spin in half a step of `dt`, by the loads of its beginning.
+    fn gains(&self, dt: f64) -> [V; 2] {
+        match self.part {
+            Part::Sphere { gains, .. } => gains,
+            _ => [self.force * (0.5 * dt * self.inverse_mass()), self.torque * (0.5 * dt * self.inverse_inertia())],
+        }
+    }
 }
 
 impl Simulator {
@@ -135,6 +180,10 @@ impl Simulator {
     /// Evaluates the forces of the start.
     pub fn start(&mut self) {
         self.release();
+        for clump in &self.clumps {
+            clump.place_spheres(&mut self.bodies);
+            self.bodies[clump.centre].spin = clump.spin();
+        }
         self.evaluate(0.0);
         self.remove();
     }
@@ -158,8 +207,7 @@ impl Simulator {
         let kick = if verlet { 0.5 * dt } else { dt };
         for body in &mut self.bodies {
             let before = body.velocity;
-            body.velocity += body.force * (kick * body.inverse_mass());
-            body.spin += body.torque * (kick * body.inverse_inertia());
+            body.kick(kick);
             body.position += if self.scheme == Scheme::ExplicitEuler { before } else { body.velocity } * dt;
             for (axis, side) in periodic.iter().enumerate() {
                 let x = &mut body.position.0[axis];
@@ -170,11 +218,17 @@ impl Simulator {
                 }
             }
         }
+        let shares = (self.scheme == Scheme::Centred).then_some(self.prediction);
+        for clump in &mut self.clumps {
+            clump.momentum += self.bodies[clump.centre].torque * kick;
+            clump.drift(&mut self.bodies, dt, shares);
+        }
         self.evaluate(dt);
         if verlet {
-            for body in &mut self.bodies {
-                body.velocity += body.force * (kick * body.inverse_mass());
-                body.spin += body.torque * (kick * body.inverse_inertia());
+            self.bodies.iter_mut().for_each(|body| body.kick(kick));
+            for clump in &mut self.clumps {
+                clump.momentum += self.bodies[clump.centre].torque * kick;
+                self.bodies[clump.centre].spin = clump.spin();
             }
         }
         self.remove();
@@ -186,7 +240,12 @@ impl Simulator {
             return;
         }
         for body in self.bodies.iter_mut().filter(|body| !body.is_fixed) {
-            body.is_gone |= body.position.0[self.up] < self.cull;
+            body.is_gone |= !body.is_sphere_of_clump() && body.position.0[self.up] < self.cull;
+        }
+        for clump in &self.clumps {
+            for (number, _) in &clump.spheres {
+                self.bodies[*number].is_gone = self.bodies[clump.centre].is_gone;
+            }
         }
     }
 
@@ -194,16 +253,18 @@ impl Simulator {
     fn evaluate(&mut self, dt: f64) {
         let former = self.bodies.clone();
         for body in &mut self.bodies {
-            (body.force, body.torque, body.contacts) = (self.gravity * body.mass, V::default(), 0);
+            let weight = if body.is_sphere_of_clump() { V::default() } else { self.gravity * body.mass };
+            (body.force, body.torque, body.contacts) = (weight, V::default(), 0);
         }
         let mut remembered = std::mem::take(&mut self.memories);
-        let all: Vec<usize> = (0..former.len()).filter(|&i| !former[i].is_gone).collect();
+        let all: Vec<usize> = (0..former.len()).filter(|&i| !former[i].is_gone && former[i].is_solid()).collect();
         for (rank, &i) in all.iter().enumerate() {
             for &j in &all[rank + 1..] {
                 let separation = self.shortest(former[i].position - former[j].position);
                 let distance = separation.length();
                 let reach = former[i].radius + former[j].radius;
-                if !(former[i].is_fixed && former[j].is_fixed) && distance < 1.5 * reach {
+                let both_fixed = former[i].is_fixed && former[j].is_fixed;
+                if !both_fixed && !are_of_one_clump(&former[i], &former[j]) && distance < 1.5 * reach {
                     let towards = (reach - distance, separation * (1.0 / distance));
                     self.meet([&former[i], &former[j]], [i, j], towards, &mut remembered, dt);
                 }
@@ -216,6 +277,9 @@ impl Simulator {
                     self.meet([&former[i], &flat], [i, usize::MAX - number], towards, &mut remembered, dt);
                 }
             }
+        }
+        for clump in &self.clumps {
+            clump.gather(&mut self.bodies);
         }
         if self.steps.is_multiple_of(8) {
             let starts = self.steps == 0;
@@ -278,8 +342,7 @@ impl Simulator {
         let half = 0.5 * self.dt;
         let [beta, beta_of_spins] = self.prediction;
         let lead = if self.springs_exact { 0.0 } else { half };
-        let gains =
-            if dt == 0.0 { VelocityPrediction::default() } else { ahead(both, both.map(Body::inverse_mass), dt) };
+        let gains = if dt == 0.0 { VelocityPrediction::default() } else { self.ahead(both, pair_state.normal, dt) };
         let predicted = PairState {
             velocity: pair_state.velocity + gains.velocity * beta,
             spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta_of_spins),
@@ -324,6 +387,8 @@ impl Simulator {
 
 /// A wall surface as a body that forces do not move.
 pub const FLAT: Body = Body {
+    part: Part::Whole,
+    arm: V([0.0; 3]),
     position: V([0.0; 3]),
     velocity: V([0.0; 3]),
     spin: V([0.0; 3]),
@@ -339,14 +404,32 @@ pub const FLAT: Body = Body {
     is_gone: false,
 };
 
-/// Returns the predicted velocity change over half a step of both particles, from their previous forces and torques.
-fn ahead(both: [&Body; 2], inverse_masses: [f64; 2], dt: f64) -> VelocityPrediction {
-    let gains = both.map(|body| body.force * (0.5 * dt * body.inverse_mass()));
-    VelocityPrediction {
-        velocity: gains[0] - gains[1],
-        spins: both.map(|body| body.torque * (0.5 * dt * body.inverse_inertia())),
-        inverse_masses,
-        inverse_inertias: both.map(Body::inverse_inertia),
-        lone: both.map(|body| body.is_lone),
+/// Whether two bodies are spheres of one clump.
+fn are_of_one_clump(a: &Body, b: &Body) -> bool {
+    matches!((a.part, b.part), (Part::Sphere { of, .. }, Part::Sphere { of: other, .. }) if of == other)
+}
+
+impl Simulator {
+    /// Returns the predicted velocity change over half a step of both particles, from their previous loads.
+    fn ahead(&self, both: [&Body; 2], normal: V, dt: f64) -> VelocityPrediction {
+        let gains = both.map(|body| body.gains(dt));
+        let mobility = |body: &Body| match body.part {
+            Part::Sphere { of, .. } => self.clump_at(of).mobility(body.mass, body.arm, normal),
+            _ => body.inverse_mass(),
+        };
+        VelocityPrediction {
+            velocity: gains[0][0] - gains[1][0],
+            spins: gains.map(|[_, spin]| spin),
+            inverse_masses: both.map(mobility),
+            inverse_inertias: both.map(Body::inverse_inertia),
+            lone: both.map(|body| body.is_lone),
+        }
+    }
+
+    fn clump_at(&self, centre: usize) -> &Clump {
+        match self.bodies[centre].part {
+            Part::Centre(clump) => &self.clumps[clump],
+            _ => panic!("body {centre} is the centre of a clump"),
+        }
     }
 }

@@ -47,7 +47,7 @@ pub fn differences(simulator: &Simulator, seen: &[Sample]) -> Vec<f64> {
 
 /// Returns the largest current difference in the given units; infinite if the sets of grains differ.
 fn largest_difference(simulator: &Simulator, seen: &Sample, units: [f64; 5]) -> f64 {
-    let numbered = (1..).zip(&simulator.bodies);
+    let numbered = (1..).zip(simulator.bodies.iter().filter(|body| !body.is_sphere_of_clump()));
     let own: Vec<_> = numbered.filter(|(_, body)| !body.is_fixed && !body.is_gone).collect();
     if !own.iter().map(|(id, _)| *id).eq(seen.iter().map(|(id, _)| *id)) {
         return f64::INFINITY;

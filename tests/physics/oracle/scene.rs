@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use siloflow_oracle::clump::Clump;
 use siloflow_oracle::law::{Law, Material, Terms};
 use siloflow_oracle::simulator::{Body, FLAT, Scheme, Shape, Simulator, Wall};
 use siloflow_oracle::vector::V;
+
+use crate::oracle::shaped::{Shaped, make_shaped};
 
 /// Mean distance of neighbours, m. With the radii below, some grains overlap by a tenth of a radius and some do not
 /// touch.
@@ -49,6 +52,10 @@ pub struct Scene {
     pub laws: Vec<Law>,
     pub materials: Vec<Material>,
     pub bodies: Vec<Body>,
+    pub has_shapes: bool,
+    /// Grains of several spheres, the same for the naive simulator and for siloflow.
+    pub clumps: Vec<Clump>,
+    pub shaped: Vec<Shaped>,
     pub walls: Vec<Wall>,
     pub periodic: [Option<(f64, f64)>; 3],
     pub gravity: V,
@@ -92,11 +99,35 @@ impl Scene {
         if matches!(around, Surroundings::Chute | Surroundings::Nothing | Surroundings::Hole | Surroundings::Rain) {
             (0..open_axes).for_each(|axis| periodic[axis] = Some((LOW, high(axis))));
         }
-        let bodies = Vec::new();
-        let mut scene = Self { solid, around, scheme, laws, materials, bodies, walls: Vec::new(), periodic, gravity };
+        let mut scene = Self {
+            solid,
+            around,
+            scheme,
+            laws,
+            materials,
+            bodies: Vec::new(),
+            has_shapes: false,
+            clumps: Vec::new(),
+            shaped: Vec::new(),
+            walls: Vec::new(),
+            periodic,
+            gravity,
+        };
         scene.fill(sites);
         scene.surround(up, [high(0), high(1)]);
         scene
+    }
+
+    /// Gives every third grain a shape.
+    pub fn with_shapes(mut self) -> Self {
+        let mut random = Random(7);
+        self.has_shapes = true;
+        let factor = self.inertia_factor();
+        for body in &mut self.bodies {
+            body.inertia = factor * body.mass * body.radius * body.radius;
+        }
+        make_shaped(&mut self, || random.next());
+        self
     }
 
     /// Places grains and wall grains near the sites of a lattice.
@@ -141,9 +172,10 @@ impl Scene {
         }
     }
 
-    /// Returns I/(m R^2). One of the surroundings uses the value that is not the default of its space.
+    /// Returns I/(m R^2). One of the surroundings uses the value that is not the default of its space, unless grains have shapes.
     pub fn inertia_factor(&self) -> f64 {
-        if self.solid == (self.around == Surroundings::Fittings) { 0.5 } else { 0.4 }
+        let is_other = self.around == Surroundings::Fittings && !self.has_shapes;
+        if self.solid == is_other { 0.5 } else { 0.4 }
     }
 
     /// Returns the grain that enters, if any. It leaves its place before the next one enters, and hits the bed within
@@ -217,6 +249,7 @@ impl Scene {
         let (prediction, springs_exact) = self.prediction();
         Simulator {
             bodies: self.bodies.clone(),
+            clumps: self.clumps.clone(),
             walls: self.walls.clone(),
             periodic: self.periodic,
             gravity: self.gravity,

@@ -8,10 +8,11 @@ use siloflow::dem::store::{ParticleStore, Prediction};
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
-use siloflow_oracle::simulator::{Body, Shape, Wall};
+use siloflow_oracle::simulator::{Body, Part, Shape, Wall};
 use siloflow_oracle::vector::V;
 
 use crate::oracle::scene::{DT, RELEASE_EVERY, RELEASES, Scene, Surroundings};
+use crate::oracle::shaped;
 
 impl Scene {
     fn wall_text(&self, wall: &Wall) -> String {
@@ -43,7 +44,7 @@ impl Scene {
     }
 
     /// Returns the scene file.
-    fn text(&self, search: &str, energy_balance: bool) -> String {
+    pub fn text(&self, search: &str, energy_balance: bool) -> String {
         let mut walls: Vec<_> = self.walls.iter().map(|wall| self.wall_text(wall)).collect();
         for body in self.bodies.iter().filter(|body| body.is_fixed && body.velocity == V::default()) {
             let centre = body.position.ron(self.solid);
@@ -67,12 +68,14 @@ impl Scene {
             )
         });
         let inertia = match self.laws[0].friction {
+            _ if self.has_shapes => "",
             None => "",
             Some(_) if self.inertia_factor() > 0.45 => "inertia: Disc, ",
             Some(_) => "inertia: Sphere, ",
         };
+        let shapes = if self.has_shapes { format!("shapes: {}, ", shaped::text(self.solid)) } else { String::new() };
         format!(
-            "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {inertia}{cull}{spawner}integrator: {:?}, \
+            "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {shapes}{inertia}{cull}{spawner}integrator: {:?}, \
              step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_balance: {energy_balance}, watchdog: None, on_loss: Continue, \
              until: 1.0e3, pictures: None)",
             if self.solid { "Solid" } else { "Plane" },
@@ -103,7 +106,8 @@ impl Scene {
         let text = self.text(search, energy_balance);
         let mut loaded = load::from_text("oracle.ron", "oracle", Path::new(""), text.clone(), &[])
             .unwrap_or_else(|fault| panic!("{fault}\n{text}"));
-        for (number, body) in (1..).zip(&self.bodies) {
+        let whole = self.bodies.iter().filter(|body| !body.is_sphere_of_clump());
+        for (number, body) in (1..).zip(whole) {
             let Body { radius, mass, .. } = *body;
             let position = vector(body.position);
             let velocity = vector(body.velocity);
@@ -117,7 +121,10 @@ impl Scene {
                     position,
                     velocity,
                     spin: vector(body.spin),
-                    posture: None,
+                    posture: match body.part {
+                        Part::Centre(clump) => Some(self.shaped[clump].posture),
+                        _ => None,
+                    },
                     species,
                 });
             } else if body.velocity != V::default() {
