@@ -14,7 +14,7 @@ use crate::lattice_silo::loaded::LoadedLattice;
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::automatic;
 use crate::scene::check::{self, Estimates};
-use crate::scene::expected::{self, BYTES_PER_GRAIN};
+use crate::scene::expected::{self, BYTES_PER_GRAIN, Work};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::writers::volume::{self, Output, Volume};
@@ -141,6 +141,7 @@ fn describe(loaded: &Loaded, text: &mut String) {
     if let Some(dt) = expected::known_step(loaded) {
         let steps = loaded.scene.until.get() / dt;
         describe_output(&expected::outputs(loaded, dt), steps, text);
+        describe_work(Work::of_grains(loaded, dt), "particle-steps", text);
     }
     let Some(e) = Estimates::of(loaded) else { return };
     let _ = write!(
@@ -204,4 +205,15 @@ fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {
     );
     #[expect(clippy::cast_precision_loss, reason = "a number of steps")]
     describe_output(&lattice_silo::limits::outputs(loaded), loaded.scene.until as f64, text);
+    describe_work(Work::of_lattice(loaded.scene.until, sites.fluid_count()), "site updates", text);
+}
+
+/// Adds the time that a run takes, if it lasts to `until`. Writing to a string cannot fail.
+fn describe_work(work: Work, updates: &str, text: &mut String) {
+    let _ = writeln!(
+        text,
+        "time to `until`   {} on one core, for {:.1e} {updates}; most runs end earlier",
+        work.words(),
+        work.updates
+    );
 }

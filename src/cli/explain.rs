@@ -181,8 +181,8 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
             flow.sample.get()
         );
     }
-    if let Some((_, interval)) = loaded.data_frames() {
-        let _ = write!(text, "\n  a frame of data every {interval} s, in frames.bin");
+    if let Some((_, times)) = loaded.data_frames() {
+        let _ = write!(text, "\n  a frame of data every {}, in frames.bin", times.words());
     }
     let _ = match &scene.pictures {
         Some(pictures) => writeln!(text, "\n  a picture every {} s", pictures.interval.get()),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::{SceneArgs, say, say_aside, unwritable};
-use crate::lammps::{self, DATA, SCRIPT};
+use crate::lammps::{self, BODIES, DATA, SCRIPT};
 use crate::scene::loaded::AnyScene;
 use siloflow_files::run_directory;
 use siloflow_text::fault::Fault;
@@ -32,7 +32,9 @@ pub(super) fn export(args: &SceneArgs, out: Option<PathBuf>, quiet: bool) -> Res
             .help("remove it, or give another place with --out"));
     }
     let written = lammps::export(&loaded)?;
-    let files = [(SCRIPT.to_owned(), written.script.into_bytes()), (DATA.to_owned(), written.data.into_bytes())];
+    let mut files =
+        vec![(SCRIPT.to_owned(), written.script.into_bytes()), (DATA.to_owned(), written.data.into_bytes())];
+    files.extend(written.bodies.map(|bodies| (BODIES.to_owned(), bodies.into_bytes())));
     run_directory::write_results(&target, &files).map_err(|error| unwritable(&target, &error))?;
     if !quiet {
         say_aside("not the same in LAMMPS:");

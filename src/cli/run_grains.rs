@@ -1,6 +1,7 @@
 //! `siloflow run` for a scene of grains.
 
 mod outputs;
+mod phase;
 mod words;
 
 use std::io::{self, Write};
@@ -8,6 +9,7 @@ use std::io::{self, Write};
 use bevy_ecs::prelude::*;
 
 use self::outputs::Outputs;
+use self::phase::phase;
 use crate::assembly::Assembly;
 use crate::behaviour::Registry;
 use crate::cli::progress::Pace;
@@ -21,6 +23,7 @@ use crate::output::summary::{Cost, Summary};
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
+use crate::scene::expected::{self, Work};
 use crate::scene::loaded::Loaded;
 use crate::simulation::{Additions, Caller, Simulation};
 use crate::writers::provenance::Provenance;
@@ -47,6 +50,9 @@ impl RunnableScene for Loaded {
         if let (TimeStep::Auto { error }, Some(estimates)) = (self.scene.step, Estimates::of(self)) {
             let Automatic { dt, reason } = automatic(&estimates, error.get());
             tracing::info!("step {dt:.1e} s: {reason}");
+        }
+        if let Some(dt) = expected::known_step(self) {
+            Work::of_grains(self, dt).tell();
         }
         Simulation::check(self, registry)
     }
@@ -113,8 +119,9 @@ fn line(world: &World, until: f64, pace: Pace) -> String {
         Dimension::Solid => kinetic::<Solid>(world),
     };
     format!(
-        "t = {time:.2} s of at most {until} s | {:.1} M particle-steps/s | at most {:.0} s to go | inside {}, out {}, \
+        "{}t = {time:.2} s of at most {until} s | {:.1} M particle-steps/s | at most {:.0} s to go | inside {}, out {}, \
          lost {} | kinetic {kinetic:.3e} J",
+        phase(world),
         pace.millions_per_s,
         pace.left(time, until - time),
         ledger.inside(),

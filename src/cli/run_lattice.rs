@@ -18,6 +18,7 @@ use crate::output::flow::FlowPlugin;
 use crate::output::flow::lattice::FlowOfLattice;
 use crate::output::summary::lattice::{LatticeResults, site_updates, write_state};
 use crate::output::summary::{Cost, Summary};
+use crate::scene::expected::Work;
 use crate::simulation::{Additions, Simulation};
 use crate::writers::provenance::Provenance;
 use siloflow_dem::outcome::End;
@@ -40,6 +41,7 @@ impl RunnableScene for LoadedLattice {
         for warning in check::warnings(self) {
             tracing::warn!("{warning}");
         }
+        Work::of_lattice(self.scene.until, self.sites.fluid_count()).tell();
         Simulation::of_lattice(self, registry, NonZeroUsize::MIN).map(|_| ())
     }
 

@@ -7,6 +7,8 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use crate::grains::file::GrainRow;
+use crate::lammps::bodies::Bodies;
 use crate::lammps::quantities::{all_grains, up};
 use crate::lammps::{DATA, motions, number, vector};
 use crate::scene::loaded::Loaded;
@@ -33,6 +35,9 @@ pub(super) struct Particles {
     low: Solid,
     high: Solid,
     types: usize,
+    pub(super) bodies: Bodies,
+    /// Number of spheres of bodies with ids behind all others.
+    spheres_behind: usize,
 }
 
 impl Particles {
@@ -62,12 +67,25 @@ impl Particles {
         let (low, high) = box_of(loaded, &fixed);
         let doors = loaded.silo.door.len();
         let types = loaded.largest_species() + 1;
-        Self { fixed, doors, first_fixed: loaded.first_free_id(), low, high, types }
+        let first_fixed = loaded.first_free_id();
+        let bodies = Bodies::of(loaded, first_fixed as usize + fixed.len());
+        let spheres_behind = bodies.behind(loaded);
+        Self { fixed, doors, first_fixed, low, high, types, bodies, spheres_behind }
     }
 
     /// Whether the silo file has a door.
     pub(super) fn has_door(&self) -> bool {
         self.doors > 0
+    }
+
+    /// The file of bodies, if there are any.
+    pub(super) fn bodies_file(&self) -> Option<String> {
+        (!self.bodies.is_empty()).then(|| self.bodies.file.clone())
+    }
+
+    /// Grains that are one sphere.
+    fn single(loaded: &Loaded) -> impl Iterator<Item = &GrainRow> {
+        loaded.grains.iter().filter(|grain| grain.posture.is_none())
     }
 
     /// The data file.
@@ -76,7 +94,12 @@ impl Particles {
             "Grains written by siloflow {}; columns of Atoms: id type diameter density x y z; of Velocities: id vx vy vz wx wy wz\n\n",
             env!("CARGO_PKG_VERSION")
         );
-        let _ = writeln!(text, "{} atoms\n{} atom types\n", loaded.grains.len() + self.fixed.len(), self.types);
+        let _ = writeln!(
+            text,
+            "{} atoms\n{} atom types\n",
+            Self::single(loaded).count() + self.bodies.spheres.len() + self.fixed.len(),
+            self.types
+        );
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let _ = writeln!(text, "{} {} {name}lo {name}hi", number(self.low[axis]), number(self.high[axis]));
         }
@@ -84,12 +107,16 @@ impl Particles {
             return text;
         }
         text.push_str("\nAtoms # sphere\n\n");
-        for grain in &loaded.grains {
-            let density = grain.mass / (4.0 * PI / 3.0 * grain.radius.powi(3));
-            let id = grain.id.number();
-            let kind = usize::from(grain.species.0) + 1;
-            let [diameter, density] = [2.0 * grain.radius, density].map(number);
-            let _ = writeln!(text, "{id} {kind} {diameter} {density} {}", vector(grain.position));
+        let mut atom = |id: usize, species: usize, radius: f64, mass: f64, position: Solid| {
+            let density = mass / (4.0 * PI / 3.0 * radius.powi(3));
+            let [diameter, density] = [2.0 * radius, density].map(number);
+            let _ = writeln!(text, "{id} {} {diameter} {density} {}", species + 1, vector(position));
+        };
+        for grain in Self::single(loaded) {
+            atom(grain.id.number() as usize, usize::from(grain.species.0), grain.radius, grain.mass, grain.position);
+        }
+        for sphere in &self.bodies.spheres {
+            atom(sphere.id, sphere.species, sphere.radius, sphere.mass, sphere.position);
         }
         for (id, disc) in (self.first_fixed..).zip(&self.fixed) {
             // Any density: a frozen atom has no mass in its contacts.
@@ -97,26 +124,35 @@ impl Particles {
             let _ = writeln!(text, "{id} {} {diameter} 1.0 {}", disc.species + 1, vector(disc.position));
         }
         text.push_str("\nVelocities\n\n");
-        for grain in &loaded.grains {
+        for grain in Self::single(loaded) {
             let _ = writeln!(text, "{} {} {}", grain.id.number(), vector(grain.velocity), vector(grain.spin));
         }
-        for (id, _) in (self.first_fixed..).zip(&self.fixed) {
+        for sphere in &self.bodies.spheres {
+            let _ = writeln!(text, "{} {} {}", sphere.id, vector(sphere.velocity), vector(sphere.spin));
+        }
+        let fixed = || (self.first_fixed as usize..).take(self.fixed.len());
+        for id in fixed() {
             let _ = writeln!(text, "{id} 0 0 0 0 0 0");
         }
-        text
+        let others = Self::single(loaded).map(|grain| grain.id.number() as usize).chain(fixed());
+        text + &self.bodies.molecules(others)
     }
 
     /// Settings, reading of the data file, and groups.
     pub(super) fn setup(&self, loaded: &Loaded) -> String {
         let planar = loaded.scene.space == Dimension::Plane;
         let sides = loaded.scene.periodic.axes();
-        let side = |axis: usize| if sides[axis].is_some() || (planar && axis == 2) { "p" } else { "f" };
+        // An atom of a body must not be lost, so the box grows with bodies that fall.
+        let open = if self.bodies.is_empty() { "f" } else { "m" };
+        let side = |axis: usize| if sides[axis].is_some() || (planar && axis == 2) { "p" } else { open };
         let mut text = format!(
-            "\nunits si\n{}boundary {} {} {}\natom_style sphere\nnewton off\ncomm_modify vel yes\nread_data {DATA}\n",
+            "\nunits si\n{}boundary {} {} {}\natom_style sphere\nnewton off\ncomm_modify vel yes\n{}read_data {DATA}{}\n",
             if planar { "dimension 2\n" } else { "" },
             side(0),
             side(1),
-            side(2)
+            side(2),
+            self.bodies.before_reading(),
+            self.bodies.reading()
         );
         if self.fixed.is_empty() {
             text.push_str("group fixed empty\ngroup grains union all\n");
@@ -128,6 +164,7 @@ impl Particles {
             }
             text.push_str("neigh_modify exclude group fixed fixed\n");
         }
+        text.push_str(&self.bodies.groups(self.first_fixed));
         if loaded.contacts().species > 1 {
             for kind in 1..=self.types {
                 let _ =
@@ -155,12 +192,15 @@ impl Particles {
             (true, InertiaLaw::Sphere) => "nve/sphere",
             (true, InertiaLaw::Disc) => "nve/sphere disc",
         };
-        let _ = writeln!(text, "fix motion grains {motion}");
+        let single = if self.bodies.is_empty() { "grains" } else { "single" };
+        let _ = writeln!(text, "fix motion {single} {motion}");
         let gravity = scene.gravity.padded();
         if gravity != Solid::ZERO {
-            let _ = writeln!(text, "fix weight grains gravity {} vector {}", number(gravity.length()), vector(gravity));
+            let _ =
+                writeln!(text, "fix weight {single} gravity {} vector {}", number(gravity.length()), vector(gravity));
         }
-        if let Some(cull) = scene.cull {
+        text.push_str(&self.bodies.motion(gravity));
+        if let Some(cull) = scene.cull.filter(|_| self.bodies.is_empty()) {
             let below = if planar {
                 format!("INF INF INF {} INF INF", number(cull.below.get()))
             } else {
@@ -181,7 +221,7 @@ impl Particles {
 
     /// The id that the next atom gets in LAMMPS.
     pub(super) fn next_id(&self) -> usize {
-        self.first_fixed as usize + self.fixed.len()
+        self.first_fixed as usize + self.fixed.len() + self.spheres_behind
     }
 }
 

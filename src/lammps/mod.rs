@@ -6,6 +6,7 @@
 //! Forces of step 0 are equal to round-off. A key without a counterpart is refused. A term that can be written but is not the same is
 //! listed at the head of the script and in [`Export::differences`]. The scheme of LAMMPS is velocity Verlet whatever the scene says.
 
+mod bodies;
 mod grains;
 mod laws;
 mod motions;
@@ -18,18 +19,22 @@ mod walls;
 use std::fmt::Write as _;
 
 use crate::door::{DoorMotion, DoorOpens};
+use crate::grains::file::GrainRow;
 use crate::lammps::grains::Particles;
 use crate::lammps::quantities::all_grains;
 use crate::scene::TimeStep;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::integrate::Integrator;
-use siloflow_dem::space::Solid;
+use siloflow_dem::space::{Dimension, Solid};
 use siloflow_text::fault::Fault;
 
 /// Name of the script.
 pub const SCRIPT: &str = "in.silo";
 /// Name of the data file.
 pub const DATA: &str = "grains.data";
+
+/// Name of the file of bodies of several spheres.
+pub const BODIES: &str = "bodies.data";
 
 /// A scene as an input of LAMMPS.
 #[derive(Debug)]
@@ -38,6 +43,8 @@ pub struct Export {
     pub script: String,
     /// Content of [`DATA`].
     pub data: String,
+    /// Content of [`BODIES`]; `None` if no grain has several spheres.
+    pub bodies: Option<String>,
     /// Differences of the run in LAMMPS from that in siloflow, one sentence each.
     pub differences: Vec<String>,
     /// Number of grains, those to be released included.
@@ -63,10 +70,10 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     let _ = write!(script, "\n# Contact law.\n{}", laws.lines);
     let _ = write!(script, "\n# Walls.\n{}", walls.lines);
     script.push_str(&particles.motion(loaded));
-    script.push_str(&outputs::step_zero(loaded));
+    script.push_str(&outputs::step_zero(loaded, &particles));
     script.push_str(&outputs::series(loaded, &particles, &walls));
     script.push_str(&course.script);
-    Ok(Export { script, data: particles.data(loaded), differences, grains })
+    Ok(Export { script, data: particles.data(loaded), bodies: particles.bodies_file(), differences, grains })
 }
 
 /// A number with all its digits.
@@ -100,9 +107,12 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
             start,
         );
     }
-    if !scene.shapes.is_empty() {
-        let reason = "grains with shapes are not written: LAMMPS needs `fix rigid/small` for them";
-        return refuse("shapes", reason, "export the same scene with spheres");
+    let is_shaped = |grain: &GrainRow| grain.posture.is_some();
+    if scene.space == Dimension::Plane && all_grains(loaded).any(|grain| is_shaped(&grain)) {
+        return refuse("shapes", "shapes of the plane are not written", "export a scene in solid space, or with discs");
+    }
+    if quantities::released(loaded).iter().any(is_shaped) {
+        return refuse("spawner.shape", "grains of several spheres that are released later are not written", start);
     }
     if scene.kick.is_some() {
         return refuse("kick", "kicks that restart the flow are not written", "export without it");
@@ -216,7 +226,13 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         loaded.scene.spawner.is_some(),
         "a release waits while a centre is nearer to its place than the sum of the radii, with the largest radius for every grain",
     );
-    say(true, "grains that leave the box of the data file are removed and count as out");
+    let has_bodies = loaded.grains.iter().any(|grain| grain.posture.is_some());
+    say(
+        has_bodies,
+        "a grain of several spheres is counted, and its height taken, at the sphere nearest to its centre; rest and largest speed are those of spheres",
+    );
+    say(has_bodies, "grains that have left fall on, in a box that grows with them: none is removed");
+    say(!has_bodies, "grains that leave the box of the data file are removed and count as out");
     list
 }
 

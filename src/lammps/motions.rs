@@ -57,6 +57,10 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
     if let Some(place) = loaded.scene.free_walls.iter().position(|free| wall.name() == Some(&free.walls)) {
         return Err(refused(loaded, &format!("free_walls[{place}]"), "walls that forces move are not written"));
     }
+    let of_wall = loaded.scene.motions.iter().filter(|motion| wall.name() == Some(&motion.walls)).count();
+    if of_wall > 1 || of_wall == 1 && wall.shape.moves_in_place() {
+        return Err(refused(loaded, "motions", "walls that move in two ways are not written"));
+    }
     let motions = loaded.scene.motions.iter().enumerate();
     for (index, motion) in motions.filter(|(_, motion)| wall.name() == Some(&motion.walls)) {
         let tau = elapsed(motion);

@@ -11,11 +11,13 @@ use crate::scene::loaded::Loaded;
 use siloflow_dem::spin::InertiaLaw;
 
 /// Commands that write the forces of step 0 and end, if the variable `forces` is `yes`.
-pub(super) fn step_zero(loaded: &Loaded) -> String {
-    let torques = if loaded.scene.contact.spins() { " tqx tqy tqz" } else { "" };
+pub(super) fn step_zero(loaded: &Loaded, particles: &Particles) -> String {
+    // The forces on a body are those on its spheres.
+    let of_body = if particles.bodies.is_empty() { "" } else { "mol x y z " };
+    let torques = if loaded.scene.contact.spins() || !particles.bodies.is_empty() { " tqx tqy tqz" } else { "" };
     format!(
         "\n# Forces of step 0, without weight, if they are asked for.\nvariable forces index no\n\
-         if \"${{forces}} == yes\" then &\n  \"{}dump step_zero grains custom 1 forces.dump id fx fy fz{torques}\" &\n  \
+         if \"${{forces}} == yes\" then &\n  \"{}dump step_zero grains custom 1 forces.dump id {of_body}fx fy fz{torques}\" &\n  \
          \"dump_modify step_zero sort id format float %.17g\" &\n  \"run 0\" &\n  \"quit\"\n",
         if loaded.scene.gravity.padded() == siloflow_dem::space::Solid::ZERO { "" } else { "unfix weight\" &\n  \"" }
     )
@@ -40,23 +42,33 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         if up(loaded) == 1 { format!("INF INF {level} INF INF INF") } else { format!("INF INF INF INF {level} INF") };
     let turning = if loaded.inertia() == InertiaLaw::Disc { "1.25" } else { "1.0" };
     let total: f64 = loaded.grains.iter().map(|grain| grain.mass).sum();
+    let counted = particles.bodies.counted();
+    let has_bodies = !particles.bodies.is_empty();
+    let single = if has_bodies { "single" } else { "grains" };
+    let of_bodies = if has_bodies {
+        "compute moving_bodies bodies ke/rigid bodies\ncompute turning_bodies bodies erotate/rigid bodies\n"
+    } else {
+        ""
+    };
+    let [moving_bodies, turning_bodies] = if has_bodies { ["+c_moving_bodies", "+c_turning_bodies"] } else { ["", ""] };
     let _ = write!(
         text,
         "region above block {above}\n\
-         variable inside equal count(grains,above)\n\
+         variable inside equal count({counted},above)\n\
          variable released equal {count}\n\
          variable released_kg equal {}\n\
          variable out equal v_released-v_inside\n\
-         variable culled equal v_released-count(grains)\n\
+         variable culled equal v_released-count({counted})\n\
          variable mass_of atom mass\n\
-         compute mass_inside grains reduce/region above sum v_mass_of\n\
+         compute mass_inside {counted} reduce/region above sum v_mass_of\n\
          variable out_kg equal v_released_kg-c_mass_inside\n\
-         compute moving grains ke\n\
-         compute turning grains erotate/sphere\n\
-         variable kinetic equal c_moving\n\
-         variable rotational equal {turning}*c_turning\n\
+         compute moving {single} ke\n\
+         compute turning {single} erotate/sphere\n\
+         {of_bodies}\
+         variable kinetic equal c_moving{moving_bodies}\n\
+         variable rotational equal {turning}*c_turning{turning_bodies}\n\
          variable lift atom -mass*({}*x+{}*y+{}*z)\n\
-         compute lifted grains reduce sum v_lift\n\
+         compute lifted {counted} reduce sum v_lift\n\
          variable speed_of atom sqrt(vx*vx+vy*vy+vz*vz)\n\
          compute fastest grains reduce max v_speed_of\n",
         number(total),
@@ -68,7 +80,7 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
     let _ = write!(
         text,
         "fix series all print {every} \"$(time:%.17g),$(v_released:%.0f),$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
-         $(v_out_kg:%.17g),$(c_moving:%.17g),$({turning}*c_turning:%.17g),$(c_lifted:%.17g),$(c_fastest:%.17g)\" &\n  \
+         $(v_out_kg:%.17g),$(c_moving{moving_bodies}:%.17g),$({turning}*c_turning{turning_bodies}:%.17g),$(c_lifted:%.17g),$(c_fastest:%.17g)\" &\n  \
          file series.csv screen no title \"time_s,released,inside,out,culled,out_kg,kinetic_j,rotational_j,potential_j,\
          largest_speed_m_per_s\"\n"
     );
@@ -81,7 +93,7 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         let chosen: Vec<_> = walls.fixes.iter().filter(|(number, _)| is_door(*number) == doors).collect();
         text.push_str(&forces(name, every, &chosen));
     }
-    let frames = loaded.data_frames().map(|(_, interval)| steps(interval, dt));
+    let frames = loaded.data_frames().map(|_| steps(loaded.even_frames(), dt));
     if let Some(every) = frames {
         let spins = if loaded.scene.contact.spins() { " omegax omegay omegaz" } else { "" };
         let _ = writeln!(

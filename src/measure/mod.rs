@@ -1,6 +1,6 @@
 //! Measurements: observers that run at intervals and at the end of the run. They never write physics.
 //!
-//! The times of [`observe_every`] are predictable. So components are refreshed and kicks are made in time only for
+//! The times of [`observe_every`] and [`observe_at`] are predictable. So components are refreshed and kicks are made in time only for
 //! steps with an observer that is due (`register_predictable` in `store/predictable_conditions.rs`). A system with any
 //! other run condition counts as running in every step.
 
@@ -15,6 +15,7 @@ pub mod outflow;
 pub mod outputs;
 pub mod profile;
 pub mod slope;
+pub mod times;
 pub mod totals;
 pub mod wall_bands;
 
@@ -23,6 +24,7 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use self::times::Times;
 use siloflow_dem::outcome::Outcome;
 use siloflow_dem::persist::PersistApp as _;
 use siloflow_dem::step::{Clock, Part, Phase, Step};
@@ -39,12 +41,11 @@ pub enum ObserveStage {
     Write,
 }
 
-/// Clock of the observer `T`. It is due at time 0, after every interval, and in the last step of a run.
+/// Clock of the observer `T`. It is due at time 0, at its times, and in the last step of a run.
 #[derive(Resource)]
 pub struct Every<T> {
-    /// Interval, s.
-    interval: f64,
-    /// The observer is due next at the time `next` times `interval`.
+    times: Times,
+    /// The observer is due next at this number of its finest intervals.
     next: u64,
     is_due: bool,
     observer: PhantomData<T>,
@@ -53,7 +54,7 @@ pub struct Every<T> {
 impl<T> Every<T> {
     #[expect(clippy::cast_precision_loss, reason = "a run has fewer than 2^53 intervals")]
     fn is_due_at(&self, clock: &Clock) -> bool {
-        clock.has_reached(self.next as f64 * self.interval)
+        clock.has_reached(self.next as f64 * self.times.finest)
     }
 }
 
@@ -65,7 +66,7 @@ impl<T> Every<T> {
 fn tick<T: Send + Sync + 'static>(clock: Res<Clock>, outcome: Res<Outcome>, mut every: ResMut<Every<T>>) {
     let is_due = every.is_due_at(&clock);
     if is_due {
-        every.next = (((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64).saturating_add(1);
+        every.next = every.times.next(((clock.time() + 1e-3 * clock.dt) / every.times.finest).floor() as u64);
     }
     every.is_due = is_due || outcome.end().is_some();
 }
@@ -78,6 +79,11 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
+    observe_at::<T>(app, Times::every(interval));
+}
+
+/// Registers the clock of the observer `T`.
+pub fn observe_at<T: Send + Sync + 'static>(app: &mut App, times: Times) {
     app.persist_sound_part::<Every<T>, _>(
         |every| Ok((every.next, every.is_due)),
         |every, state| {
@@ -85,7 +91,7 @@ pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
             Ok(())
         },
     );
-    app.insert_resource(Every::<T> { interval, next: 0, is_due: false, observer: PhantomData })
+    app.insert_resource(Every::<T> { times, next: 0, is_due: false, observer: PhantomData })
         .add_systems(Step, tick::<T>.in_set(ClocksRead));
     register_predictable(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_due_at(&clock));
 }

@@ -4,13 +4,19 @@
 //! |---|---|
 //! | memory | [`BYTES_PER_GRAIN`] for each grain at the start, the most that was measured (docs/developers/speed-notebook.md) |
 //! | rows, pictures | the number of intervals in a number of steps, at most one for each step |
+//! | time | [`Work`] |
 //! | disk | the length of such rows and shapes, times their number |
+
+mod work;
+
+pub use self::work::Work;
 
 use crate::grains::feed::Feed;
 use crate::grains::file::GrainRow;
 use crate::grains::shaped::{Shaped, SizeRange, size_ranges};
 use crate::grains::sizes::RadiusLaw;
 use crate::measure::fields::Layout;
+use crate::measure::times::Times;
 use crate::scene::TimeStep;
 use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::Loaded;
@@ -62,6 +68,13 @@ pub fn pixels(loaded: &Loaded) -> f64 {
 /// several.
 #[must_use]
 pub fn shapes(loaded: &Loaded) -> usize {
+    let walls = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len() + loaded.scene.walls.len();
+    walls + grain_shapes(loaded)
+}
+
+/// Returns the number of discs or spheres of all grains, those of the start and those to be released.
+#[must_use]
+pub fn grain_shapes(loaded: &Loaded) -> usize {
     let count = |radius: &RadiusLaw, shaped: Option<&Shaped>| {
         size_ranges(radius, shaped).iter().map(SizeRange::count).max().unwrap_or(1)
     };
@@ -74,8 +87,7 @@ pub fn shapes(loaded: &Loaded) -> usize {
         grain.posture.and_then(|posture| loaded.shapes.facts_of(posture.shape)).map_or(1, |facts| facts.count)
     };
     let start: usize = loaded.grains.iter().map(of_grain).sum();
-    let walls = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len() + loaded.scene.walls.len();
-    start + walls + released + fed
+    start + released + fed
 }
 
 /// Returns the number of grains that a feed will release up to `until`.
@@ -167,29 +179,47 @@ fn mean_shapes(loaded: &Loaded) -> f64 {
     (shapes(loaded) as f64 - released).max(0.0)
 }
 
-/// Most bytes of frames that no scene asks for with an interval of its own.
-const FREE_BYTES: f64 = 64.0e6;
+/// Most bytes of the frames of a run to `until`, if the scene gives no interval of its own.
+const FREE_BYTES: f64 = 128.0e6;
 
-/// Least number of such frames, of a run that lasts until `until`.
+/// Least number of even parts of `until`.
 const FREE_FRAMES: f64 = 200.0;
 
+/// Numbers n of frames in each doubling of the time, and the finest interval that goes with each, as a share of an even part of `until`. The interval doubles
+/// from 25 parts of at least 200 on.
+const FREE_DOUBLINGS: [(u32, f64); 4] = [(100, 0.125), (50, 0.25), (25, 0.5), (12, 1.0)];
+
 impl Loaded {
-    /// The frames of data and the time between them, s; `None` if the run keeps none.
+    /// The frames of data and their times; `None` if the run keeps none.
     ///
-    /// Without `data_frames.interval` a scene with pictures has 200 to 500 frames up to `until`, enough for a movie, if they need at most
-    /// 64 MB, and at least one for each picture.
+    /// Without `data_frames.interval` a scene with pictures has frames for a movie and the player wherever the run ends: up to 200 until an eighth or
+    /// twentieth of `until`, and up to 100 more with each doubling of the time. There are fewer if they need more than 128 MB, and at
+    /// least one for each picture.
     #[must_use]
-    pub fn data_frames(&self) -> Option<(&DataFrames, f64)> {
+    pub fn data_frames(&self) -> Option<(&DataFrames, Times)> {
         let frames = self.scene.data_frames.as_ref()?;
         if let Some(interval) = frames.interval {
-            return Some((frames, interval.get()));
+            return Some((frames, Times::every(interval.get())));
         }
         let pictures = self.scene.pictures.as_ref()?.interval.get();
         let until = self.scene.until.get();
-        let is_affordable = frame_bytes(self, frames) * until / nice_part(until) <= FREE_BYTES;
-        Some((frames, if is_affordable { pictures.min(nice_part(until)) } else { pictures }))
+        let part = nice_part(until);
+        let bytes = frame_bytes(self, frames);
+        let growing = FREE_DOUBLINGS.map(|(n, share)| Times::growing(share * part, n, pictures));
+        let affordable = growing.into_iter().find(|times| bytes * times.count(until, MOST_COUNTED) <= FREE_BYTES);
+        Some((frames, affordable.filter(|times| times.finest < pictures).unwrap_or(Times::every(pictures))))
+    }
+
+    /// The interval of frames for a program that has one interval for a whole run, s: that of the scene, or an even part of `until`.
+    #[must_use]
+    pub fn even_frames(&self) -> f64 {
+        let own = self.scene.data_frames.as_ref().and_then(|frames| frames.interval).map(Positive::get);
+        own.unwrap_or_else(|| nice_part(self.scene.until.get()))
     }
 }
+
+/// Times beyond this number are not counted.
+const MOST_COUNTED: u64 = 1_000_000;
 
 /// Returns the largest number of the form 1, 2 or 5 times a power of ten of which at least [`FREE_FRAMES`] fit into a time.
 fn nice_part(time: f64) -> f64 {
@@ -216,8 +246,55 @@ fn frame_bytes(loaded: &Loaded, frames: &DataFrames) -> f64 {
 
 /// Returns the frames of data of a scene with this step (s).
 fn frame_data(loaded: &Loaded, dt: f64) -> Option<Output> {
-    let (frames, interval) = loaded.data_frames()?;
+    let (frames, times) = loaded.data_frames()?;
     let key = if frames.interval.is_some() { "data_frames.interval" } else { "pictures.interval" };
     let bytes = frame_bytes(loaded, frames);
+    let until = loaded.scene.until.get();
+    // An interval that grows counts with its mean.
+    let interval =
+        if times == Times::every(times.finest) { times.finest } else { until / times.count(until, MOST_COUNTED) };
     Some(Output { key: key.to_owned(), interval: interval / dt, rows: 0.0, pictures: 0.0, bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::load;
+
+    fn loaded(spacing: f64, more: &str) -> Loaded {
+        let text = format!(
+            "(contact: Linear(k: 1.0e4, damping: Restitution(0.5)), step: Fixed(1.0e-3), mass: Disc(100.0), walls: [], until: 30.0, \
+             fill: [(low: (0.0, 0.0), high: (1.0, 1.0), spacing: {spacing:?}, radius: Fixed(0.005))], {more})"
+        );
+        load::from_text("test.ron", "test", Path::new(""), text.clone(), &[])
+            .unwrap_or_else(|fault| panic!("{fault}\n{text}"))
+    }
+
+    fn times(more: &str) -> Times {
+        loaded(0.1, more).data_frames().unwrap().1
+    }
+
+    #[test]
+    fn a_scene_without_an_interval_of_frames_has_some_for_a_movie_wherever_it_ends() {
+        let usual = times("pictures: (interval: 0.5)");
+        // 30 s have 300 parts of 0.1 s. Up to 2.5 s there are 200 frames.
+        assert_eq!(usual, Times::growing(0.0125, 100, 0.5));
+        assert!((usual.count(2.5, 10_000) - 201.0).abs() < 1e-9);
+        // A picture in every hundredth of a second has a frame.
+        assert_eq!(times("pictures: (interval: 0.01)"), Times::every(0.01));
+        assert_eq!(times("pictures: (interval: 0.5), data_frames: (interval: 2.0)"), Times::every(2.0));
+        assert!(loaded(0.1, "pictures: None").data_frames().is_none());
+    }
+
+    #[test]
+    fn frames_that_no_scene_asks_for_are_few_if_they_are_large() {
+        let loaded = loaded(0.02, "pictures: (interval: 0.5), data_frames: (format: [Vtk, ExtXyz, LammpsDump])");
+        let (frames, times) = loaded.data_frames().unwrap();
+        assert!(
+            times.finest > 0.0125 && frame_bytes(&loaded, frames) * times.count(30.0, 10_000) <= FREE_BYTES,
+            "{times:?}"
+        );
+    }
 }

@@ -73,7 +73,7 @@ impl Default for Pictures {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DataFrames {
-    /// Time between frames, s. Default: that between pictures; without pictures there are no frames then.
+    /// Time between frames, s. Default: enough frames for a movie wherever the run ends; without pictures there are no frames then.
     pub interval: Option<Positive>,
     /// Whether frames hold contacts.
     pub contacts: bool,

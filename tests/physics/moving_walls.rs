@@ -66,6 +66,54 @@ fn the_work_of_a_vibrating_floor_is_the_energy_of_the_grain() {
     assert!((coarse / fine).log2() > 1.7, "{coarse} {fine}");
 }
 
+/// Places and velocities of two grains on a wall that moves, after half a second.
+fn on(wall: &str, motions: &str, drift: Vector) -> Vec<Motion> {
+    let keys = format!(
+        "gravity: (0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.6), {FRICTION}), step: Fixed(2.0e-5), until: 10.0,
+         walls: [{wall}], motions: [{motions}]"
+    );
+    let grains = [(1, 0.0102), (2, 0.0301)];
+    let grains = grains.map(|(id, height)| grain(id, Vector::new(0.1, height), drift, 0.01, 0.05));
+    let mut run = simulation(&keys, grains.to_vec());
+    run.run_steps(25_000);
+    motion(&mut run)
+}
+
+#[test]
+fn motions_of_one_wall_add_up() {
+    let gate = "Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"gate\")";
+    let both = on(
+        gate,
+        "(walls: \"gate\", translate: Oscillate(amplitude: (0.0, 1.0e-3), frequency: 5.0), rotate: (about: (0.0, 0.0), by: Steady(0.1)))",
+        Vector::ZERO,
+    );
+    let apart = on(
+        gate,
+        "(walls: \"gate\", translate: Oscillate(amplitude: (0.0, 1.0e-3), frequency: 5.0)), \
+         (walls: \"gate\", rotate: (about: (0.0, 0.0), by: Steady(0.1)))",
+        Vector::ZERO,
+    );
+    assert_eq!(format!("{both:?}"), format!("{apart:?}"));
+    let other =
+        on(gate, "(walls: \"gate\", translate: Oscillate(amplitude: (0.0, 1.0e-3), frequency: 5.0))", Vector::ZERO);
+    assert!(other[0].position.distance(both[0].position) > 1e-3, "the rotation matters");
+}
+
+/// A belt that is lifted at a constant velocity is a belt at rest as seen from a frame that moves with it.
+#[test]
+fn a_belt_may_be_lifted() {
+    let belt = "HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0), velocity: (0.3, 0.0), name: \"belt\")";
+    let lift = Vector::new(0.0, 0.2);
+    let lifted = on(belt, "(walls: \"belt\", translate: Steady((0.0, 0.2)))", lift);
+    let at_rest = on(belt, "", Vector::ZERO);
+    for (lifted, at_rest) in lifted.iter().zip(&at_rest) {
+        assert!(at_rest.velocity.x > 0.1, "the belt drives: {at_rest:?}");
+        // 25,000 steps round places of 0.1 m at 1e-17 m each, and contacts of a bed at rest do not amplify differences.
+        let off = lifted.position - at_rest.position - lift.extend(0.0) * 0.5;
+        assert!(off.length() < 1e-11, "{off} {lifted:?} {at_rest:?}");
+    }
+}
+
 fn crowd() -> Vec<GrainRow> {
     let place = |n: u32| {
         let [i, j, k] = [n % 3, (n / 3) % 3, n / 9].map(f64::from);

@@ -77,6 +77,23 @@ fn figures_of_several_runs_have_a_curve_for_each() {
 }
 
 #[test]
+fn a_figure_takes_a_size_letters_names_and_a_title() {
+    let here = tempfile::tempdir().unwrap();
+    made_up(&here.path().join("slow"), 20.0);
+    made_up(&here.path().join("fast"), 40.0);
+    let call = ["plot", "slow", "fast", "--what", "out", "--out", "plots", "--size", "260x200", "--font-size", "6.5"];
+    let names = ["--label", "narrow <1>", "--label", "wide", "--title", "Two outlets"];
+    let output = siloflow(here.path(), &[&call[..], &names].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let svg = fs::read_to_string(here.path().join("plots/out.svg")).unwrap();
+    // Half of the usual size, with 14 px for the title.
+    for words in [">narrow &lt;1&gt;<", ">wide<", ">Two outlets<", r#"width="260" height="214""#] {
+        assert!(svg.contains(words), "{words}: {svg}");
+    }
+    assert!(!svg.contains(">fast<"), "{svg}");
+}
+
+#[test]
 fn a_killed_run_is_drawn_up_to_its_last_whole_row() {
     let here = tempfile::tempdir().unwrap();
     made_up(&here.path().join("run"), 40.0);
@@ -101,6 +118,12 @@ fn wrong_calls_are_refused_and_leave_nothing() {
     assert_refused(here.path(), &["run", "--what", "dischrge"], &["did you mean `discharge`?"]);
     assert_refused(here.path(), &["run", "--what", "walls"], &["nothing to draw"]);
     assert_refused(here.path(), &["run", "--out", "file"], &["file"]);
+    assert_refused(here.path(), &["run", "--size", "640"], &["--size", "for example 520x400"]);
+    assert_refused(here.path(), &["run", "--size", "nanx400"], &["from 100 to 4000 px"]);
+    assert_refused(here.path(), &["run", "--font-size", "0"], &["from 4 to 100 px"]);
+    assert_refused(here.path(), &["run", "--size", "200x150"], &["letters of 13 px", "at least 208x169"]);
+    assert_refused(here.path(), &["run", "--label", "a"], &["1 of --label", "several"]);
+    assert_refused(here.path(), &["run", "run", "--label", "a", "--out", "p"], &["1 of --label for 2"]);
     fs::write(here.path().join("run/profiles.csv"), "profile,to_s\n1\n").unwrap();
     assert_refused(here.path(), &["run"], &["profiles.csv"]);
     assert!(!here.path().join("run/plots").exists());

@@ -9,7 +9,7 @@ use siloflow_files::frames::{Frame, Header};
 use siloflow_results::pictures::style::speeds;
 
 /// Most frames of a movie without `--every`.
-const MOVIE_FRAMES: usize = 200;
+const MOVIE_FRAMES: u32 = 200;
 
 /// The frames of a run: their times, and the lowest and highest number that colours grains in each.
 #[derive(Default)]
@@ -53,9 +53,7 @@ impl FrameIndex {
                 .collect();
         }
         if args.movie {
-            let most = count.min(MOVIE_FRAMES);
-            let last = most.saturating_sub(1).max(1);
-            return (0..most).map(|number| number * count.saturating_sub(1) / last).collect();
+            return self.even();
         }
         count.checked_sub(1).into_iter().collect()
     }
@@ -72,6 +70,17 @@ impl FrameIndex {
                 );
             }
         }
+    }
+
+    /// Returns the frames of a movie: at equal times, no nearer than the two neighbours that are farthest apart, so that the motion is even.
+    fn even(&self) -> Vec<usize> {
+        let (Some(first), Some(last)) = (self.times.first(), self.times.last()) else { return Vec::new() };
+        let widest = self.times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let parts = ((last - first) / widest - 1e-3).ceil().clamp(1.0, f64::from(MOVIE_FRAMES - 1)) as u32;
+        let time = |number: u32| first + (last - first) * f64::from(number) / f64::from(parts);
+        let frames: BTreeSet<usize> = (0..=parts).filter_map(|number| self.nearest(time(number))).collect();
+        frames.into_iter().collect()
     }
 
     fn nearest(&self, time: f64) -> Option<usize> {
@@ -152,6 +161,13 @@ mod tests {
         let movie = selected(times, &["--movie"]);
         assert_eq!((movie.len(), movie[0], movie[199]), (200, 0, 999));
         assert!(movie.windows(2).all(|pair| pair[1] - pair[0] >= 5));
+    }
+
+    #[test]
+    fn a_movie_of_frames_that_grow_rarer_is_even() {
+        let times =
+            (0..8).map(|n| 0.125 * f64::from(n)).chain([1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0]).collect();
+        assert_eq!(selected(times, &["--movie"]), [0, 4, 8, 10, 12, 13, 14, 15, 16]);
     }
 
     #[test]

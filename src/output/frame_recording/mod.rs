@@ -31,7 +31,8 @@ use self::writer::FrameWriter;
 use crate::ledger::Ledger;
 use crate::measure::orientation::{inclination, vertical};
 use crate::measure::outputs::{self, BehaviourOutputs, GrainColumn, GrainValues, Quantity};
-use crate::measure::{ObserveStage, due, observe_every};
+use crate::measure::times::Times;
+use crate::measure::{ObserveStage, due, observe_at};
 use crate::output::frame_recording::live::LiveFormats;
 use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
@@ -323,7 +324,7 @@ fn registered(column: &GrainColumn) -> RegisteredColumn {
 /// Writes `frames.bin`.
 pub struct FrameDataPlugin<V: Space> {
     recording: Recording,
-    interval: f64,
+    times: Times,
     writer: TakenOnce<FrameWriter>,
     space: PhantomData<V>,
 }
@@ -335,21 +336,21 @@ impl<V: Space> FrameDataPlugin<V> {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(loaded: &Loaded, world: &World, place: &OutputPlace) -> std::io::Result<Option<Self>> {
-        let Some((config, interval)) = loaded.data_frames() else { return Ok(None) };
+        let Some((config, times)) = loaded.data_frames() else { return Ok(None) };
         let header = header::<V>(loaded, config, world);
         let frames = FrameFile::at(place, &header)?;
         let formats = LiveFormats::open(&config.format, header.clone(), place)?;
         let writer = TakenOnce::new(FrameWriter::new(frames, formats));
         let content = Content::new(&header, config.contacts, config.walls, true);
         let recording = Recording { content, latest: None };
-        Ok(Some(Self { recording, interval, writer, space: PhantomData }))
+        Ok(Some(Self { recording, times, writer, space: PhantomData }))
     }
 }
 
 impl<V: Space> Plugin for FrameDataPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(writer) = self.writer.open() else { return };
-        observe_every::<DataFrames>(app, self.interval);
+        observe_at::<DataFrames>(app, self.times);
         outputs::compute_grain_columns(app, due::<DataFrames>);
         FrameWriter::persist(app);
         app.derived::<Recording>();

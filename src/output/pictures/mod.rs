@@ -17,6 +17,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce as _;
 
 use crate::measure::outputs;
+use crate::measure::times::Times;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::output::frame_recording::{self, Content, FramesRecorded, Observed, Recording};
 use crate::scene::loaded::Loaded;
@@ -67,8 +68,7 @@ impl<V: Space> PicturesPlugin<V> {
         let content = Content::new(&header, style.network.is_some(), true, is_measured);
         let drawing = Drawing { header: Arc::new(header), style: Arc::new(style), content };
         // Where frames are recorded at the same times, they compute the columns of behaviours.
-        let is_recorded =
-            loaded.data_frames().is_some_and(|(_, interval)| interval.total_cmp(&pictures.interval.get()).is_eq());
+        let is_recorded = loaded.data_frames().is_some_and(|(_, times)| times == Times::every(pictures.interval.get()));
         let has_own_columns = is_measured && !is_recorded;
         Ok(Some(Self { pictures, directory, drawing, has_own_columns, space: PhantomData }))
     }

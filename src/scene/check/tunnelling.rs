@@ -1,5 +1,7 @@
 //! Warnings about grains and walls that may pass each other within one step.
 
+use std::collections::BTreeMap;
+
 use crate::door::DoorMotion;
 use crate::scene::check::quantities::Estimates;
 use crate::scene::loaded::Loaded;
@@ -26,7 +28,12 @@ fn fastest_wall(loaded: &Loaded) -> f64 {
         DoorMotion::Move { speed, .. } | DoorMotion::Slide(speed) => speed.get(),
         DoorMotion::Remove => 0.0,
     });
-    loaded.scene.motions.iter().map(speed).chain(doors).fold(0.0, f64::max)
+    // Motions of one wall add up.
+    let mut by_wall: BTreeMap<&str, f64> = BTreeMap::new();
+    for motion in &loaded.scene.motions {
+        *by_wall.entry(&motion.walls).or_default() += speed(motion);
+    }
+    by_wall.into_values().chain(doors).fold(0.0, f64::max)
 }
 
 /// Warns of grains and walls that may pass each other within one step.

@@ -110,13 +110,15 @@ impl Loaded {
     }
 
     fn way(&self, wall: &Wall) -> Way {
-        let motion = self.scene.motions.iter().find(|motion| wall.name() == Some(&motion.walls));
-        if let Some(motion) = motion {
-            let turn = motion
-                .rotate
-                .as_ref()
+        let motions: Vec<_> = self.scene.motions.iter().filter(|motion| wall.name() == Some(&motion.walls)).collect();
+        if !motions.is_empty() {
+            let turn = motions
+                .iter()
+                .find_map(|motion| motion.rotate.as_ref())
                 .map(|turn| [turn.about.padded(), turn.axis.map_or(Solid::Z, FiniteVector::padded).unit_or_zero()]);
-            return Way { shifts: motion.shifts(self.scene.until.get()), turn };
+            let shifts = motions.iter().map(|motion| motion.shifts(self.scene.until.get()));
+            let shifts = shifts.fold([Solid::ZERO; 2], |[low, high], [lower, higher]| [low + lower, high + higher]);
+            return Way { shifts, turn };
         }
         if let Some(free) = self.scene.free_walls.iter().find(|free| wall.name() == Some(&free.walls)) {
             let unit = free.moves.unit();

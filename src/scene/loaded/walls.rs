@@ -5,6 +5,7 @@ use crate::measure::wall_bands::BandSampler;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::walls::config::Wall;
+use siloflow_dem::walls::motion::Motion;
 use siloflow_dem::walls::mover::{Drive, LeafState, Mover};
 use siloflow_dem::walls::silo_file::Disc;
 use siloflow_dem::walls::surface_wall::SurfaceWall;
@@ -137,9 +138,16 @@ impl Loaded {
         let home = |belongs: &dyn Fn(&SurfaceWall<V>) -> bool| {
             surfaces.iter().filter(|(_, surface)| belongs(surface)).cloned().collect()
         };
-        let motions = self.scene.motions.iter().map(|motion| {
-            let home = home(&|surface| walls[surface.number].name() == Some(&motion.walls));
-            Mover::new(home, Drive::Motion(motion.clone()))
+        let mut by_name: Vec<(&String, Vec<Motion>)> = Vec::new();
+        for motion in &self.scene.motions {
+            match by_name.iter_mut().find(|(name, _)| **name == motion.walls) {
+                Some((_, motions)) => motions.push(motion.clone()),
+                None => by_name.push((&motion.walls, vec![motion.clone()])),
+            }
+        }
+        let motions = by_name.into_iter().map(|(name, motions)| {
+            let home = home(&|surface| walls[surface.number].name() == Some(name));
+            Mover::new(home, Drive::Motions(motions))
         });
         let free = self.scene.free_walls.iter().map(|free| {
             let home = home(&|surface| walls[surface.number].name() == Some(&free.walls));

@@ -21,7 +21,7 @@ pub(super) fn free_walls(loaded: &Loaded) -> Result<(), Fault> {
         };
         let moved = loaded.scene.motions.iter().map(|motion| motion.walls.as_str());
         let others: Vec<_> = moved.chain(all[..index].iter().map(|other| other.walls.as_str())).collect();
-        movable_walls(loaded, &free.walls, &others).map_err(fault)?;
+        movable_walls(loaded, &free.walls, &others, true).map_err(fault)?;
         way(loaded, free).map_err(fault)?;
         inertia(free).map_err(fault)?;
         ends(free).map_err(fault)?;

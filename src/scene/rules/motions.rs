@@ -1,4 +1,5 @@
-//! Rules on `motions`: each moves walls that exist, that nothing else moves.
+//! Rules on `motions`: each moves walls that exist and that no door moves. Several motions of a wall add up, as does its own velocity, if at most one of
+//! them turns it, or none.
 
 use std::borrow::Cow;
 
@@ -16,8 +17,10 @@ pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
             let key = if key.is_empty() { format!("motions[{index}]") } else { format!("motions[{index}].{key}") };
             loaded.fault(code, &key, message).help(help)
         };
-        let before: Vec<_> = motions[..index].iter().map(|other| other.walls.as_str()).collect();
-        movable_walls(loaded, &motion.walls, &before).map_err(fault)?;
+        let turning = motions[..index].iter().filter(|other| other.rotate.is_some());
+        let turning: Vec<_> = turning.map(|other| other.walls.as_str()).collect();
+        let turns = motion.rotate.is_some();
+        movable_walls(loaded, &motion.walls, if turns { &turning } else { &[] }, turns).map_err(fault)?;
         course(loaded, motion).map_err(fault)?;
     }
     Ok(())
@@ -26,8 +29,14 @@ pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
 /// A broken rule: code, key within the motion, message, help.
 type Broken<'a> = (&'static str, &'a str, String, Cow<'a, str>);
 
-/// The walls of a name exist, and nothing else moves them; `others` are the names of walls that move by other entries.
-pub(super) fn movable_walls(loaded: &Loaded, name: &String, others: &[&str]) -> Result<(), Broken<'static>> {
+/// The walls of a name exist, and no door moves them; `others` are the names of walls that move by other entries. If they are to stay `in_place`, they
+/// have no velocity of their own.
+pub(super) fn movable_walls(
+    loaded: &Loaded,
+    name: &String,
+    others: &[&str],
+    in_place: bool,
+) -> Result<(), Broken<'static>> {
     let scene = &loaded.scene;
     let mut walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
     if walls.clone().next().is_none() {
@@ -38,13 +47,18 @@ pub(super) fn movable_walls(loaded: &Loaded, name: &String, others: &[&str]) -> 
         "another motion"
     } else if walls.clone().any(|wall| scene.door_of(wall).is_some()) {
         "a door"
-    } else if walls.any(|wall| wall.shape.moves_in_place()) {
+    } else if in_place && walls.any(|wall| wall.shape.moves_in_place()) {
         "its own `velocity` or `spin`"
     } else {
         return Ok(());
     };
     let message = format!("a wall named {name:?} already moves by {other}");
-    Err(("scene::two_motions", "walls", message, "move a wall by one thing".into()))
+    Err((
+        "scene::two_motions",
+        "walls",
+        message,
+        "move a wall by one thing; only motions that do not turn it may be added to another".into(),
+    ))
 }
 
 /// There is something to do, from a beginning to a later end, about an axis that the space has.

@@ -3,6 +3,8 @@
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::extrapolation::Ladder;
 
+use crate::studies::figures::words::words;
+
 use super::estimator::Answer;
 use super::results::RunRecord;
 
@@ -72,7 +74,7 @@ fn against_softness(title: &str, figure: &str, ladder: &Ladder, answer: &Answer,
         "softness: stiffness of the scene over that of the run",
         runs.iter().map(|run| run.softness).chain([1.0]),
     );
-    let y = Axis::around(figure.to_owned(), curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    let y = Axis::around(words(figure), curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
     Panel { curves, key: Key::Above, ..Panel::new(title.to_owned(), x, y) }
 }
 

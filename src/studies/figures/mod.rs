@@ -4,3 +4,4 @@ mod excerpt;
 pub mod figure;
 mod rows;
 pub mod summary;
+pub mod words;

@@ -1,12 +1,13 @@
 //! Pictures of a sweep: for each axis a sheet with a panel for each figure, and the table of the fit.
 //!
-//! Dots are means, bars reach one standard error up and down. Up to six combinations of the other values have a curve each; more of them,
+//! Dots are means, bars reach one standard error up and down. A fit has its 95 % confidence band, by the scatter of the means about it. Up to six combinations of the other values have a curve each; more of them,
 //! and the samples of a Latin hypercube, are dots of one colour. Values that are no numbers are numbered in the order of the sweep
 //! file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use crate::studies::figures::words::words;
 use crate::studies::sweep::Sweep;
 use crate::studies::sweep::plan::Ends;
 use crate::studies::sweep::table::{PointMean, TextColumn, csv, number};
@@ -20,6 +21,12 @@ const MOST_CURVES: usize = 6;
 
 /// Points of the curve of a fit.
 const FIT_POINTS: u16 = 200;
+
+/// Space beside the first and the last point, as a share of the axis.
+const MARGIN: f64 = 0.04;
+
+/// Colour of the edges of the confidence band of a fit.
+const BAND: &str = "#999999";
 
 /// A fit through the means at some points.
 #[derive(Clone, Debug)]
@@ -76,7 +83,7 @@ fn places(sweep: &Sweep, key: usize) -> (Vec<f64>, Axis) {
     let texts: Vec<&str> = sweep.points.iter().map(|point| point.values[key].as_str()).collect();
     let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.parse().ok()).collect();
     if let Some(numbers) = numbers {
-        let axis = Axis::around(name, numbers.iter().copied());
+        let axis = Axis::around(name, numbers.iter().copied()).with_margins(MARGIN);
         return (numbers, axis);
     }
     let mut distinct: Vec<&str> = Vec::new();
@@ -173,18 +180,37 @@ fn panel(sweep: &Sweep, cells: &[PointMean], key: usize, figure: usize) -> Panel
         let has_line = fit.is_none() && has_lines(sweep, key) && groups.len() <= MOST_CURVES;
         curves.push(Curve { name: group.clone(), colour, points: means, has_line, has_dots: true, is_dashed: false });
         curves.push(Curve { colour, points: bars, has_line: true, ..Curve::default() });
-        curves.extend(
-            fit.map(|fit| curve_of(fit, ends(points), axis.from, if groups.len() > 1 { colour } else { "#222222" })),
-        );
+        let colour = if groups.len() > 1 { colour } else { "#222222" };
+        curves.extend(fit.iter().flat_map(|fit| curves_of(fit, ends(points), axis.from, colour)));
     }
-    let y = Axis::around(name.clone(), curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    // A band of few points is wide, and must not squeeze the means.
+    let of_means = curves.iter().filter(|curve| curve.colour != BAND).flat_map(|curve| &curve.points);
+    let y = Axis::around(words(name), of_means.map(|point| point.1));
+    for point in curves.iter_mut().filter(|curve| curve.colour == BAND).flat_map(|curve| &mut curve.points) {
+        if !(y.from..=y.to).contains(&point.1) {
+            point.1 = f64::NAN;
+        }
+    }
     Panel { curves, key: Key::Above, ..Panel::new(sweep.name.clone(), axis, y) }
 }
 
-/// Returns the curve of a fit between two places, or from the place where its law begins, if the axis, which begins at `first`, has it.
-fn curve_of(fit: &GroupFit, Ends { low, high }: Ends, first: f64, colour: &'static str) -> Curve {
-    let low = fit.fitted.start().filter(|start| (first..low).contains(start)).unwrap_or(low);
-    let place = |n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS);
-    let points = (0..=FIT_POINTS).map(place).filter_map(|x| Some((x, fit.fitted.at(x)?))).collect();
-    Curve { name: fit.fitted.in_words(), colour, points, has_line: true, has_dots: false, is_dashed: true }
+/// Returns the curve of a fit and the two of its band, between two places, or from the place where its law begins, if the axis, which begins at
+/// `first`, has it.
+fn curves_of(fit: &GroupFit, Ends { low, high }: Ends, first: f64, colour: &'static str) -> [Curve; 3] {
+    let fitted = &fit.fitted;
+    let low = fitted.start().filter(|start| (first..low).contains(start)).unwrap_or(low);
+    let places = || (0..=FIT_POINTS).map(|n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS));
+    let points = places().filter_map(|x| Some((x, fitted.at(x)?))).collect();
+    let edge = |number: usize| Curve {
+        name: if number == 0 && fitted.band(high).is_some() { "95 % of the law".to_owned() } else { String::new() },
+        colour: BAND,
+        points: places().filter_map(|x| Some((x, fitted.band(x)?[number]))).collect(),
+        has_line: true,
+        ..Curve::default()
+    };
+    [
+        Curve { name: fitted.in_words(), colour, points, has_line: true, has_dots: false, is_dashed: true },
+        edge(0),
+        edge(1),
+    ]
 }

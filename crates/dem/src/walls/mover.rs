@@ -21,8 +21,8 @@ pub struct Mover<V: Space> {
 /// The cause of the motion of a [`Mover`].
 #[derive(Clone, Debug)]
 pub enum Drive<V: Space> {
-    /// A motion of the scene.
-    Motion(Motion),
+    /// Motions of the scene. Their shifts add up, and at most one of them turns.
+    Motions(Vec<Motion>),
     /// Forces.
     Free(FreeWall, FreeState),
     /// A door that moves between shut and open.
@@ -75,7 +75,9 @@ impl<V: Space> Drive<V> {
 
     fn at(&self, time: f64) -> PoseInTime<V> {
         match self {
-            Self::Motion(motion) => motion.at(time),
+            Self::Motions(motions) => {
+                motions.iter().map(|motion| motion.at(time)).reduce(PoseInTime::and).unwrap_or_else(PoseInTime::still)
+            }
             // Its place does not follow from the time.
             Self::Free(wall, state) => wall.pose(state.coordinate, state.shown),
             Self::Leaf { by, speed, state, .. } => {
@@ -108,7 +110,7 @@ impl<V: Space> Mover<V> {
     /// Iterates over the surfaces without ends that turn: a point of them far away moves by any distance in a step.
     pub(super) fn endless_that_turn(&self) -> impl Iterator<Item = usize> {
         let turns = match &self.drive {
-            Drive::Motion(motion) => motion.rotate.is_some(),
+            Drive::Motions(motions) => motions.iter().any(|motion| motion.rotate.is_some()),
             Drive::Free(wall, _) => matches!(wall.moves, Freedom::About { .. }),
             Drive::Leaf { .. } => false,
         };
@@ -223,7 +225,7 @@ impl<V: Space> Mover<V> {
         let [before, now] = match &self.drive {
             Drive::Leaf { .. } => return false,
             Drive::Free(wall, state) => [was, state.coordinate].map(|coordinate| wall.pose(coordinate, 0.0).pose),
-            drive @ Drive::Motion(_) => times.map(|time| drive.at(time).pose),
+            drive @ Drive::Motions(_) => times.map(|time| drive.at(time).pose),
         };
         let from = before.origin_of(from);
         let to = now.origin_of(to);
@@ -235,7 +237,7 @@ impl<V: Space> Mover<V> {
     pub(super) fn leaf(&self) -> Option<LeafState> {
         match self.drive {
             Drive::Leaf { state, .. } => Some(state),
-            Drive::Motion(_) | Drive::Free(..) => None,
+            Drive::Motions(_) | Drive::Free(..) => None,
         }
     }
 

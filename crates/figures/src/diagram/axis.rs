@@ -51,6 +51,13 @@ impl Axis {
         Self::linear(label, (low / step + 0.02).floor() * step, (high / step - 0.02).ceil() * step)
     }
 
+    /// Returns a linear axis that reaches beyond its ends by a share of its length, with the same ticks, so that points at the ends are whole.
+    #[must_use]
+    pub fn with_margins(self, share: f64) -> Self {
+        let margin = share * (self.to - self.from);
+        Self { from: self.from - margin, to: self.to + margin, ..self }
+    }
+
     /// Returns a logarithmic axis around the positive finite numbers of `values`.
     ///
     /// It extends a factor 2 beyond them and has ticks at powers of ten. An axis of less than three decades also has

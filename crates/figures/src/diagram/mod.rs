@@ -102,7 +102,7 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Width over height of the plot of a panel with a scale and without a legend.
+    /// Width over height of the plot of a panel with a scale and without a legend, of any size.
     pub const ASPECT_WITH_SCALE: f64 = (SIZE.0 - MARGIN.0 - MARGIN.2 - SCALE) / (SIZE.1 - MARGIN.1 - MARGIN.3);
 
     /// Returns a panel with axes and nothing else.
@@ -140,32 +140,70 @@ fn class(colour: &str) -> String {
 
 /// Width and height of a panel, px.
 const SIZE: (f64, f64) = (520.0, 400.0);
+/// Height of letters, px.
+const FONT: f64 = 13.0;
 /// Margins of a panel (left, top, right, bottom), px.
 const MARGIN: (f64, f64, f64, f64) = (72.0, 44.0, 16.0, 56.0);
 
 /// Width of a colour scale, px.
 const SCALE: f64 = 96.0;
 
-/// Returns an SVG figure of panels in rows of `per_row` (at least one).
+/// The look of a sheet.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// Width and height of a panel, px.
+    pub size: (f64, f64),
+    /// Height of letters, px. Lines, dots and margins grow with it.
+    pub font: f64,
+    /// A line above all panels.
+    pub title: Option<String>,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { size: SIZE, font: FONT, title: None }
+    }
+}
+
+/// Height of the line above all panels, px at a height of letters of [`FONT`].
+const HEAD: f64 = 28.0;
+
+impl Look {
+    /// Returns an SVG figure of panels in rows of `per_row` (at least one).
+    #[must_use]
+    pub fn sheet(&self, panels: &[Panel], per_row: usize) -> String {
+        let per_row = per_row.max(1);
+        let real = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
+        let scale = self.font / FONT;
+        // The panels are drawn with letters of the usual height, and the whole sheet is scaled.
+        let size = (self.size.0 / scale, self.size.1 / scale);
+        let head = if self.title.is_some() { HEAD } else { 0.0 };
+        let width = size.0 * real(per_row.min(panels.len()));
+        let height = head + size.1 * real(panels.len().div_ceil(per_row));
+        let [shown_width, shown_height] = [width, height].map(|length| length * scale);
+        let mut svg = format!(
+            r##"<svg xmlns="http://www.w3.org/2000/svg" width="{shown_width}" height="{shown_height}" viewBox="0 0 {width} {height}"><rect class="paper" width="{width}" height="{height}" fill="#ffffff"/>
+"##
+        );
+        if let Some(title) = &self.title {
+            panel::heading(&mut svg, 0.5 * width, title);
+        }
+        for (number, panel) in panels.iter().enumerate() {
+            let left = size.0 * real(number % per_row);
+            let down = head + size.1 * real(number / per_row);
+            // Writing to a string cannot fail.
+            let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
+            panel::draw(&mut svg, panel, left, size);
+            svg += "</g>\n";
+        }
+        svg + "</svg>\n"
+    }
+}
+
+/// Returns an SVG figure of panels of the usual look in rows of `per_row` (at least one).
 #[must_use]
 pub fn sheet(panels: &[Panel], per_row: usize) -> String {
-    let per_row = per_row.max(1);
-    let real = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
-    let width = SIZE.0 * real(per_row.min(panels.len()));
-    let height = SIZE.1 * real(panels.len().div_ceil(per_row));
-    let mut svg = format!(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><rect class="paper" width="{width}" height="{height}" fill="#ffffff"/>
-"##
-    );
-    for (number, panel) in panels.iter().enumerate() {
-        let left = SIZE.0 * real(number % per_row);
-        let down = SIZE.1 * real(number / per_row);
-        // Writing to a string cannot fail.
-        let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
-        panel::draw(&mut svg, panel, left);
-        svg += "</g>\n";
-    }
-    svg + "</svg>\n"
+    Look::default().sheet(panels, per_row)
 }
 
 /// Returns an SVG figure of panels side by side, each given as (title, x axis, y axis, curves).
@@ -206,6 +244,18 @@ mod tests {
         assert!(svg.contains(r#"viewBox="0 0 1040 800""#), "{svg}");
         let third = svg.split_once("translate(0 400)").unwrap().1;
         assert!(third.contains(r#"cx="288.0" cy="194.0" r="6.4" fill="none""#), "{svg}");
+    }
+
+    #[test]
+    fn a_look_sets_the_size_of_panels_and_of_letters_and_a_title() {
+        let look = Look { size: (260.0, 200.0), font: 6.5, title: Some("a < b".to_owned()) };
+        let panel = Panel { curves: vec![curve(vec![(10.0, 10.0)])], ..Panel::new("", axis(), axis()) };
+        let svg = look.sheet(&[panel.clone()], 1);
+        // Half of everything: the title takes 28 px of the drawing.
+        assert!(svg.contains(r#"width="260" height="214" viewBox="0 0 520 428""#) && svg.contains("a &lt; b"), "{svg}");
+        // Large letters leave a smaller drawing, whose plot ends 16 px before its edge.
+        let svg = Look { font: 26.0, ..Look::default() }.sheet(&[panel], 1);
+        assert!(svg.contains(r#"width="520" height="400" viewBox="0 0 260 200""#) && svg.contains(r#"H244""#), "{svg}");
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::axis::Axis;
-use super::{Clock, Curve, Key, MARGIN, Panel, SCALE, SIZE, Scale, class};
+use super::{Clock, Curve, FONT, Key, MARGIN, Panel, SCALE, Scale, class};
 use siloflow_text::safe::for_xml;
 
 /// Height of a line of the legend, px.
@@ -23,17 +23,24 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Returns the area of a panel whose left edge is at `left` px. A legend above it takes space.
-    pub(super) fn of(panel: &Panel, left: f64) -> Self {
+    /// Returns the area of a panel of this size whose left edge is at `left`, px. A legend above it takes space. A panel with a scale keeps its
+    /// aspect.
+    pub(super) fn of(panel: &Panel, left: f64, size: (f64, f64)) -> Self {
         let (margin, top, margin_right, bottom) = MARGIN;
-        let rows = if panel.key == Key::Above { legend_rows(&panel.curves).1 } else { 0.0 };
+        let rows = if panel.key == Key::Above { legend_rows(&panel.curves, size.0).1 } else { 0.0 };
         let margin_right = margin_right + if panel.scale.is_some() { SCALE } else { 0.0 };
-        Self {
+        let mut area = Self {
             left: left + margin,
-            right: left + SIZE.0 - margin_right,
+            right: left + size.0 - margin_right,
             top: top + LINE * rows,
-            bottom: SIZE.1 - bottom,
+            bottom: size.1 - bottom,
+        };
+        if panel.scale.is_some() {
+            let width = (area.right - area.left).min(Panel::ASPECT_WITH_SCALE * (area.bottom - area.top));
+            area.right = area.left + width;
+            area.top = area.bottom - width / Panel::ASPECT_WITH_SCALE;
         }
+        area
     }
 
     /// Returns the position (px) of a point.
@@ -44,14 +51,14 @@ impl Area {
     }
 }
 
-/// Returns the place of each entry in a legend above the plot, in px from its left end and in lines, and the number of lines.
-fn legend_rows(curves: &[Curve]) -> (Vec<(f64, f64)>, f64) {
-    let longest = SIZE.0 - MARGIN.0 - MARGIN.2;
+/// Returns the place of each entry in a legend above the plot of a panel of this width, in px from its left end and in lines, and the number of
+/// lines.
+fn legend_rows(curves: &[Curve], width: f64) -> (Vec<(f64, f64)>, f64) {
+    let longest = width - MARGIN.0 - MARGIN.2;
     let mut x = 0.0;
     let mut row = 0.0;
     let mut place = |curve: &Curve| {
-        let letters = u16::try_from(curve.name.chars().count()).unwrap_or(u16::MAX);
-        let width = 40.0 + LETTER * f64::from(letters);
+        let width = 40.0 + width_of(&curve.name);
         if x > 0.0 && x + width > longest {
             (x, row) = (0.0, row + 1.0);
         }
@@ -63,9 +70,19 @@ fn legend_rows(curves: &[Curve]) -> (Vec<(f64, f64)>, f64) {
     (places, rows)
 }
 
-/// Draws a panel whose left edge is at `left` px.
-pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
-    let area = Area::of(panel, left);
+/// Returns the mean width of a text, px.
+fn width_of(text: &str) -> f64 {
+    LETTER * f64::from(u16::try_from(text.chars().count()).unwrap_or(u16::MAX))
+}
+
+/// Draws the line above all panels, with its middle at `x`.
+pub(super) fn heading(svg: &mut String, x: f64, title: &str) {
+    text(svg, (x, 22.0), "middle", r#" font-weight="bold""#, title);
+}
+
+/// Draws a panel of a size whose left edge is at `left`, px.
+pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64, size: (f64, f64)) {
+    let area = Area::of(panel, left, size);
     let Area { left: x0, right: x1, top, bottom } = area;
     let x = &panel.x;
     let y = &panel.y;
@@ -93,7 +110,7 @@ pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
             r##"<path d="M{px:.2} {py:.2}h{width:.2}v{height:.2}h-{width:.2}z" fill="#{red:02x}{green:02x}{blue:02x}" stroke="none"/>"##
         );
     }
-    grid(svg, panel, &area);
+    grid(svg, panel, &area, size.1);
     if let Some(scale) = &panel.scale {
         colour_bar(svg, scale, &area);
     }
@@ -118,19 +135,25 @@ pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
         let (anchor, gap) = if px > 0.5 * (x0 + x1) { ("end", -4.0) } else { ("start", 4.0) };
         text(svg, (px + gap, py), anchor, "", &mark.name);
     }
-    legend(svg, panel, &area);
+    legend(svg, panel, &area, size.0);
     svg.push_str("</g>\n");
 }
 
-/// Draws grid lines, ticks, frame and axis labels.
-fn grid(svg: &mut String, panel: &Panel, area: &Area) {
+/// Draws grid lines, ticks, frame and axis labels of a panel of this height, px. Numbers of the horizontal axis that would overlap are left out.
+fn grid(svg: &mut String, panel: &Panel, area: &Area, height_of_panel: f64) {
     let Area { left, right, top, bottom } = *area;
     let x = &panel.x;
     let y = &panel.y;
+    let mut free_from = f64::NEG_INFINITY;
     for &tick in &x.ticks {
         let (px, py) = area.place(x, y, (tick, y.from));
         let _ = writeln!(svg, r##"<path class="grid" d="M{px:.1} {py:.1}V{top}" stroke="#e4e4e4"/>"##);
-        text(svg, (px, py + 18.0), "middle", "", &x.tick_label(tick));
+        let label = x.tick_label(tick);
+        let half = 0.5 * width_of(&label);
+        if px - half >= free_from {
+            text(svg, (px, py + 18.0), "middle", "", &label);
+            free_from = px + half + LETTER;
+        }
     }
     for &tick in &y.ticks {
         let (px, py) = area.place(x, y, (x.from, tick));
@@ -143,7 +166,7 @@ fn grid(svg: &mut String, panel: &Panel, area: &Area) {
         svg,
         r##"<rect class="frame" x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#222222"/>"##
     );
-    text(svg, (left + 0.5 * width, SIZE.1 - 14.0), "middle", "", &x.label);
+    text(svg, (left + 0.5 * width, height_of_panel - 14.0), "middle", "", &x.label);
     let px = left - MARGIN.0 + 18.0;
     let py = top + 0.5 * height;
     text(svg, (px, py), "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), &y.label);
@@ -200,11 +223,11 @@ fn dot(svg: &mut String, colour: &str, (px, py): (f64, f64)) {
     let _ = writeln!(svg, r#"<circle class="{class}" cx="{px:.1}" cy="{py:.1}" r="3.4" fill="{colour}"/>"#);
 }
 
-/// Draws a line of the legend for each curve with a name.
-fn legend(svg: &mut String, panel: &Panel, area: &Area) {
+/// Draws a line of the legend for each curve with a name, in a panel of this width, px.
+fn legend(svg: &mut String, panel: &Panel, area: &Area, width: f64) {
     let named: Vec<_> = panel.curves.iter().filter(|curve| !curve.name.is_empty()).collect();
     let count = f64::from(u16::try_from(named.len()).unwrap_or(u16::MAX));
-    let above = legend_rows(&panel.curves).0;
+    let above = legend_rows(&panel.curves, width).0;
     for ((row, curve), (right, line)) in (0u32..).zip(named).zip(above) {
         let row = f64::from(row);
         let (px, py) = match panel.key {
@@ -234,6 +257,6 @@ fn text(svg: &mut String, (x, y): (f64, f64), anchor: &str, turn: &str, words: &
     let words = for_xml(words);
     let _ = writeln!(
         svg,
-        r##"<text class="ink" x="{x:.1}" y="{y:.1}" font-size="13" font-family="sans-serif" text-anchor="{anchor}" fill="#222222"{turn}>{words}</text>"##
+        r##"<text class="ink" x="{x:.1}" y="{y:.1}" font-size="{FONT}" font-family="sans-serif" text-anchor="{anchor}" fill="#222222"{turn}>{words}</text>"##
     );
 }

@@ -17,6 +17,7 @@ use serde::Deserialize;
 
 use super::digits::short;
 use super::line::{Gradient, Line};
+use super::student::{MOST_95, t_95};
 
 /// A law that is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -130,11 +131,41 @@ impl Fitted {
     /// Returns the value of the law; `None` where it has none.
     #[must_use]
     pub fn at(&self, x: f64) -> Option<f64> {
-        let Line { intercept: a, slope: b, .. } = self.line;
+        self.figure(self.straight(x)?)
+    }
+
+    /// Returns the 95 % confidence interval of the law's value, by the scatter about the straight line; `None` with fewer than three points, and
+    /// where the law has no value.
+    #[must_use]
+    pub fn band(&self, x: f64) -> Option<[f64; 2]> {
+        let freedom = self.line.freedom;
+        let straight = self.straight(x)?;
+        let by_slope = self.place(x)?;
+        let half = self.line.error(Gradient { by_intercept: 1.0, by_slope })? * t_95(freedom.min(MOST_95));
+        let low = straight - half;
+        let is_rate = matches!(self.law, Law::Beverloo { .. });
+        Some([self.figure(if is_rate { low.max(0.0) } else { low })?, self.figure(straight + half)?])
+    }
+
+    /// Returns the place on the straight line.
+    fn place(&self, x: f64) -> Option<f64> {
         match self.law {
-            Law::Line => Some(a + b * x),
-            Law::Power => (x > 0.0).then(|| (a + b * x.ln()).exp()),
-            Law::Beverloo { power, .. } => (a + b * x >= 0.0).then(|| (a + b * x).powf(power)),
+            Law::Power => (x > 0.0).then(|| x.ln()),
+            _ => Some(x),
+        }
+    }
+
+    /// Returns the transformed figure.
+    fn straight(&self, x: f64) -> Option<f64> {
+        Some(self.line.intercept + self.line.slope * self.place(x)?)
+    }
+
+    /// Returns the figure from the transformed one; `None` where it has none.
+    fn figure(&self, straight: f64) -> Option<f64> {
+        match self.law {
+            Law::Line => Some(straight),
+            Law::Power => Some(straight.exp()),
+            Law::Beverloo { power, .. } => (straight >= 0.0).then(|| straight.powf(power)),
         }
     }
 
@@ -265,6 +296,27 @@ mod tests {
         let line = Law::Line.fit(&[(0.0, 1.0), (1.0, -2.0), (2.0, 1.0)]).unwrap();
         assert!((line.parameter("slope").unwrap().error.unwrap() - 3f64.sqrt()).abs() < 1e-12);
         assert!((line.parameter("intercept").unwrap().error.unwrap() - 5f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_band_of_a_line_is_that_of_the_textbook_and_follows_the_law() {
+        // Variance 6, at x = 1 over three points, at x = 2 with (x - 1)^2/2 more; t of one degree of freedom.
+        let points = [(0.0, 1.0), (1.0, -2.0), (2.0, 1.0)];
+        let line = Law::Line.fit(&points).unwrap();
+        for (x, variance) in [(1.0, 2.0f64), (2.0, 5.0)] {
+            let half = 12.706 * variance.sqrt();
+            let [low, high] = line.band(x).unwrap();
+            assert!((low + half).abs() < 1e-9 && (high - half).abs() < 1e-9, "{low} {high} {half}");
+        }
+        assert!(Law::Line.fit(&points[..2]).unwrap().band(1.0).is_none());
+        // A power law is a line of logarithms.
+        let power = Law::Power.fit(&points.map(|(x, y)| (x.exp(), y.exp()))).unwrap();
+        let [low, high] = power.band(1.0f64.exp()).unwrap();
+        assert!((low.ln() + high.ln()).abs() < 1e-9 && (high.ln() / (12.706 * 2f64.sqrt()) - 1.0).abs() < 1e-9);
+        let law = Law::Beverloo { power: 1.5, grain: None, density: None, gravity: 9.81 };
+        let fitted = law.fit(&[(1.0, 0.1), (2.0, 1.2), (3.0, 2.7), (4.0, 5.4)]).unwrap();
+        let [low, high] = fitted.band(3.0).unwrap();
+        assert!(low < fitted.at(3.0).unwrap() && fitted.at(3.0).unwrap() < high);
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub struct Line {
     pub slope: f64,
     /// Share of the variance of y that the line explains.
     pub r_squared: f64,
+    /// Number of points beyond the two that a line needs.
+    pub freedom: usize,
     covariance: Option<Covariance>,
 }
 
@@ -55,7 +57,7 @@ impl Line {
             Covariance { intercept: variance * (xx / n + x * x), slope: variance, both: -variance * x }
         });
         let r_squared = if yy > 0.0 { 1.0 - residual / yy } else { 1.0 };
-        Some(Self { intercept, slope, r_squared, covariance })
+        Some(Self { intercept, slope, r_squared, freedom: points.len().saturating_sub(2), covariance })
     }
 
     /// Returns the standard error of a function of the numbers with these derivatives; `None` with fewer than three points.

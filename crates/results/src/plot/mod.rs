@@ -31,7 +31,7 @@ mod over_time;
 pub mod rate;
 
 use crate::run_results::RunResults;
-use siloflow_figures::diagram::{Panel, sheet};
+use siloflow_figures::diagram::{Look, Panel, sheet};
 use siloflow_text::fault::Fault;
 
 /// A figure of one or several runs.
@@ -41,10 +41,21 @@ pub struct Figure {
     pub name: String,
     /// Title, for example `Discharge`.
     pub title: String,
-    /// The figure.
-    pub svg: String,
-    /// Its panels, each a drawing of its own, for a page that arranges them.
-    pub panels: Vec<String>,
+    /// Its panels.
+    pub panels: Vec<Panel>,
+}
+
+impl Figure {
+    /// Returns the figure as SVG.
+    #[must_use]
+    pub fn svg(&self, look: &Look) -> String {
+        look.sheet(&self.panels, PER_ROW)
+    }
+
+    /// Returns each panel as a drawing of its own, for a page that arranges them.
+    pub fn drawings(&self) -> impl Iterator<Item = String> {
+        self.panels.iter().map(|panel| sheet(std::slice::from_ref(panel), 1))
+    }
 }
 
 /// A style sheet for figures in a page that defines the variables `--paper`, `--ink` and `--line`.
@@ -88,7 +99,7 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
 /// # Errors
 /// If a file cannot be read.
 pub fn figures(runs: &[&RunResults]) -> Result<Vec<Figure>, Fault> {
-    let own = FIGURES.iter().map(|&(name, title, draw)| Ok(figure(name, title, &draw(runs)?)));
+    let own = FIGURES.iter().map(|&(name, title, draw)| Ok(figure(name, title, draw(runs)?)));
     let others = over_time::other_columns(runs).into_iter().map(|name| named(runs, &name));
     own.chain(others).filter_map(Result::transpose).collect()
 }
@@ -99,13 +110,11 @@ pub fn figures(runs: &[&RunResults]) -> Result<Vec<Figure>, Fault> {
 /// If a file cannot be read.
 pub fn named(runs: &[&RunResults], name: &str) -> Result<Option<Figure>, Fault> {
     match FIGURES.iter().find(|figure| figure.0 == name) {
-        Some(&(name, title, draw)) => Ok(figure(name, title, &draw(runs)?)),
-        None => Ok(figure(name, name, &over_time::column(runs, name))),
+        Some(&(name, title, draw)) => Ok(figure(name, title, draw(runs)?)),
+        None => Ok(figure(name, name, over_time::column(runs, name))),
     }
 }
 
-fn figure(name: &str, title: &str, panels: &[Panel]) -> Option<Figure> {
-    let svg = (!panels.is_empty()).then(|| sheet(panels, PER_ROW))?;
-    let panels = panels.iter().map(|panel| sheet(std::slice::from_ref(panel), 1)).collect();
-    Some(Figure { name: name.to_owned(), title: title.to_owned(), svg, panels })
+fn figure(name: &str, title: &str, panels: Vec<Panel>) -> Option<Figure> {
+    (!panels.is_empty()).then(|| Figure { name: name.to_owned(), title: title.to_owned(), panels })
 }

@@ -142,7 +142,7 @@ impl Contents<'_> {
         format!(
             "<figure class=\"plot\">\n<figcaption>{}</figcaption>\n<div class=\"panels\">{}</div></figure>\n",
             escape(&figure.title),
-            for_terminal(&figure.panels.concat())
+            for_terminal(&figure.drawings().collect::<String>())
         )
     }
 

@@ -8,6 +8,8 @@
 //! | `Oscillate` | a (sin(2 pi f tau + p) - sin p) | 2 pi f a cos(2 pi f tau + p) |
 //! | `Table` | the curve of the table at tau ([`table`]) | its slope |
 //!
+//! Several entries of one wall add their shifts up; at most one of them turns it.
+//!
 //! `translate` gives a shift in m, `rotate` an angle in rad about an axis. The axis moves with the shift. Before `from` and after
 //! `until` the wall rests; a motion that begins or ends with a rate other than zero does so at once, as a driven wall does.
 
@@ -165,6 +167,20 @@ pub(crate) struct PoseInTime<V: Space> {
     pub(crate) velocity: V,
     /// Angular velocity, rad/s.
     pub(crate) spin: V::Spin,
+}
+
+impl<V: Space> PoseInTime<V> {
+    /// A wall at its place in the scene, at rest.
+    pub(crate) fn still() -> Self {
+        Self { pose: Pose::shifted(V::ZERO), velocity: V::ZERO, spin: V::Spin::ZERO }
+    }
+
+    /// The sum of two motions, of which at most one turns.
+    pub(crate) fn and(self, other: Self) -> Self {
+        let turning = if other.pose.axis == V::Spin::ZERO { self } else { other };
+        let shift = self.pose.shift + other.pose.shift;
+        Self { pose: Pose { shift, ..turning.pose }, velocity: self.velocity + other.velocity, spin: turning.spin }
+    }
 }
 
 impl Motion {
