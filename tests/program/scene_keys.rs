@@ -10,6 +10,9 @@
 //! Every key, and every choice with values, stands in a shipped file or in an example of a page. Examples are blocks in `ron`, with blank lines between
 //! several; the program reads them.
 
+mod attributes;
+mod comments;
+mod sources;
 mod tables;
 mod types;
 mod uses;
@@ -73,8 +76,8 @@ fn read_grains(text: &str) -> Result<(), Fault> {
     ];
     let places = Places::scan(text);
     let missing = needed.iter().filter(|(key, _)| places.get(key).is_none());
-    let missing: String = missing.map(|(key, value)| format!("{key}: {value}, ")).collect();
-    read::<Scene>(&text.replacen('(', &format!("({missing}"), 1))
+    let missing: Vec<_> = missing.map(|(key, value)| format!("{key}: {value}, ")).collect();
+    read::<Scene>(&text.replacen('(', &format!("({}", missing.concat()), 1))
 }
 
 /// The types with tables in a page: those that its files may hold.
@@ -132,17 +135,17 @@ fn renewed(types: &Types, page: &str, text: &str) -> (String, Vec<String>) {
     let (pieces, rest) = pieces(&wanted, text);
     let places: BTreeMap<_, _> = pieces.iter().map(|piece| (piece.name.clone(), heading(piece.before))).collect();
     let mut tables = Tables { types, places: &places, faults: Vec::new() };
-    let new: String = pieces.iter().map(|piece| format!("{}{}", piece.before, tables.table(piece.name))).collect();
+    let new: Vec<_> = pieces.iter().map(|piece| format!("{}{}", piece.before, tables.table(piece.name))).collect();
     let mut faults = tables.faults;
     faults.extend(wanted.iter().filter(|name| !places.contains_key(*name)).map(|name| format!("{name} has no table")));
     faults.sort();
     faults.dedup();
-    (new + rest, faults)
+    (new.concat() + rest, faults)
 }
 
 #[test]
 fn pages_have_every_key_as_its_source_documents_it() {
-    let types = types::read(crate::root());
+    let types = sources::read(crate::root());
     for page in [SCENES, SWEEPS] {
         let path = crate::root().join(page);
         let text = fs::read_to_string(&path).unwrap();
@@ -180,7 +183,7 @@ fn root_of(text: &str) -> &'static Root {
 
 #[test]
 fn every_key_has_an_example() {
-    let types = types::read(crate::root());
+    let types = sources::read(crate::root());
     let names: BTreeSet<_> = [SCENES, SWEEPS].iter().flat_map(|page| reachable(&types, page)).collect();
     let mut without = uses::all(&types, &names);
     let shipped = files(&crate::root().join("scenes")).into_iter().map(|path| fs::read_to_string(path).unwrap());

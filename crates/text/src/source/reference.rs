@@ -130,17 +130,15 @@ fn find<'a>(reference: &'a str, field: &str, Section { here, text, scene }: Sect
 /// Returns help for the missing key `field` of a section, from a page of reference.
 pub(super) fn help(reference: &str, field: &str, section: Section) -> String {
     let Some(row) = find(reference, field, section) else { return format!("add `{field}: ...` here") };
-    let mut value = plain(row.value);
-    if let Some(link) = row.link() {
-        let forms = forms(&rows(reference, link));
-        value = format!(
-            "{}{}",
-            forms[..forms.len().min(MOST_FORMS)].join(", "),
-            if forms.len() > MOST_FORMS { ", ..." } else { "" }
-        );
-    } else if !row.unit.is_empty() {
-        value += &format!(", {}", row.unit);
-    }
+    let value = match row.link() {
+        Some(link) => {
+            let forms = forms(&rows(reference, link));
+            let more = if forms.len() > MOST_FORMS { ", ..." } else { "" };
+            format!("{}{more}", forms[..forms.len().min(MOST_FORMS)].join(", "))
+        }
+        None if row.unit.is_empty() => plain(row.value),
+        None => format!("{}, {}", plain(row.value), row.unit),
+    };
     let meaning = row.meaning.split(". ").next().unwrap_or_default().trim_end_matches('.');
     format!("add `{field}: ...` here; its value: {value} ({})", plain(meaning))
 }
