@@ -36,7 +36,7 @@ pub struct Rest {
     pub energy: Positive,
     /// Time for which both conditions must hold, s.
     pub hold: NonNegative,
-    /// Whether rest ends the run. Default false.
+    /// Whether rest ends the run, as the stop condition `AtRest` does.
     #[serde(default)]
     pub stop: bool,
 }

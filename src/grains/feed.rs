@@ -53,7 +53,7 @@ pub struct Feed {
     pub rate: Rate,
     /// Amount after which the feed ends. Default: no end.
     pub total: Option<Total>,
-    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
+    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area). Default: none, needed without `shape`.
     #[serde(default)]
     pub radius: RadiusLaw,
     /// Name of the shape of these grains, or one for each size of a mixture. Default: spheres (discs).
@@ -73,7 +73,7 @@ pub struct Feed {
     pub spin: Option<NonNegative>,
     /// Time of the first grain, s. Default 0.
     pub from: Option<NonNegative>,
-    /// Most places that the feed draws in a step, from 1 to [`MOST_TRIES`]. Default 100.
+    /// Most places that the feed draws in a step, from 1 to 10,000. Default 100.
     #[serde(default = "default_tries")]
     pub tries: u32,
     /// Longest wait of a grain before the run fails, s. Default 10.
@@ -100,7 +100,7 @@ fn default_timeout() -> NonNegative {
 /// The rate of a feed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Rate {
-    /// Grains per second.
+    /// Grains per time, 1/s.
     Grains(Positive),
     /// Mass per time, kg/s.
     Mass(Positive),

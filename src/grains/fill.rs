@@ -38,7 +38,7 @@ pub struct Fill {
     pub place: Placement,
     /// Side of the lattice, m; needed by a lattice.
     pub spacing: Option<Positive>,
-    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
+    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area). Default: none, needed without `shape`.
     #[serde(default)]
     pub radius: RadiusLaw,
     /// Name of the shape of these grains, or one for each size of a mixture. Default: spheres (discs).

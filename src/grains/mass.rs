@@ -9,11 +9,11 @@ use siloflow_dem::values::Positive;
 /// The scene key `mass`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum MassLaw {
-    /// m = rho R^2, rho in kg/m^2: the law of the assignment.
+    /// m = rho R^2 for this rho, kg/m^2: the law of the assignment.
     ArealSquare(Positive),
-    /// m = rho pi R^2, rho in kg/m^2: a disc.
+    /// m = rho pi R^2 for this rho, kg/m^2: a disc.
     Disc(Positive),
-    /// m = rho 4/3 pi R^3, rho in kg/m^3: a sphere.
+    /// m = rho 4/3 pi R^3 for this rho, kg/m^3: a sphere.
     Sphere(Positive),
 }
 

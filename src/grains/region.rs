@@ -8,7 +8,7 @@ use siloflow_dem::math;
 use siloflow_dem::space::Solid;
 use siloflow_dem::values::{FiniteVector, NonNegative, Positive};
 
-/// A region.
+/// The key `region` of a feed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Region {
     /// A box with sides along the axes. It may be flat: equal coordinates make a line, or a face.

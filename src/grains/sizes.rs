@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use siloflow_dem::particle::Species;
 use siloflow_dem::values::{Positive, Share};
 
-/// The scene key `spawner.radius`.
+/// The keys `radius` and `scale` of `fill`, `spawner` and `feed`. A `scale` has ratios in place of radii.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum RadiusLaw {
     /// One radius, m.
     Fixed(Positive),
-    /// Sizes (radius in m, share). Their order is random, but the number of each size is exactly its share of the
+    /// Radii, m, with their shares. Their order is random, but the number of each size is exactly its share of the
     /// count, rounded to whole grains. The shares sum to 1. The index of a size is its species.
     Mixture(Vec<(Positive, Share)>),
     /// Uniform between two radii, m.

@@ -48,7 +48,7 @@ pub struct Spawner {
     pub interval: Positive,
     /// Number of grains.
     pub count: u32,
-    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area).
+    /// Radii, m; of shaped grains those of spheres (discs) of equal volume (area). Default: none, needed without `shape`.
     #[serde(default)]
     pub radius: RadiusLaw,
     /// Name of the shape of these grains, or one for each size of a mixture. Default: spheres (discs).

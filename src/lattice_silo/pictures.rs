@@ -29,18 +29,19 @@ use siloflow_lattice::velocities::in_bonds;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pictures {
-    /// Steps between pictures.
+    /// Steps between pictures. Default 100.
     pub interval: NonZeroU32,
-    /// Width of a picture, px.
+    /// Width of a picture, px. Default 480.
     pub width: Positive,
-    /// Numbers of columns and rows of sites in a cell.
+    /// Numbers of columns and rows of sites in a cell. Default (2, 2).
     pub cell: (NonZeroU16, NonZeroU16),
-    /// Whether PNGs are written beside the SVGs.
+    /// Whether PNGs are written beside the SVGs. Default `false`.
     pub png: bool,
 }
 
 /// Default numbers of columns and rows of sites in a cell: 2 and 2.
-pub const CELL: (NonZeroU16, NonZeroU16) = (NonZeroU16::MIN.saturating_add(1), NonZeroU16::MIN.saturating_add(1));
+pub const CELL: (NonZeroU16, NonZeroU16) =
+    (NonZeroU16::new(2).expect("positive"), NonZeroU16::new(2).expect("positive"));
 
 impl Default for Pictures {
     fn default() -> Self {

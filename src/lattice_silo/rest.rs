@@ -26,7 +26,7 @@ pub struct Rest {
     pub hold: u64,
     /// Upper limit for the change of the mean height in `hold` steps, m. Default: no limit.
     pub drift: Option<Positive>,
-    /// Whether the run ends at rest. Default false.
+    /// Whether the run ends at rest.
     #[serde(default)]
     pub stop: bool,
 }

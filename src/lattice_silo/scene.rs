@@ -18,10 +18,10 @@ use siloflow_lattice::rules::Rules;
 /// The simulation method of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub enum Method {
-    /// Discrete elements; the scene has the keys of [`Scene`](crate::scene::Scene).
+    /// Discrete elements: a [scene of grains](crate::scene::Scene).
     #[default]
     Grains,
-    /// The cellular automaton; the scene has the keys of [`LatticeScene`].
+    /// The cellular automaton: a [scene of the lattice gas](LatticeScene).
     LatticeGas(Rules),
 }
 
@@ -35,7 +35,7 @@ pub struct LatticeScene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// Named values for expressions: [`siloflow_text::source::parameters`].
+    /// Named values for [expressions](siloflow_text::source::parameters), of any unit.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
     /// The method `LatticeGas` and its parameters.
@@ -62,7 +62,7 @@ pub struct LatticeScene {
     pub discharge: Option<u64>,
     /// The field of mean velocity over the middle of the discharge, in `flow.csv`.
     pub flow: Option<Flow>,
-    /// The rows of `series.csv`.
+    /// The rows of `series.csv`. Default: interval 10.
     #[serde(default)]
     pub series: Series,
     /// Checkpoints; `None` writes no checkpoints.

@@ -75,43 +75,43 @@ pub enum Kernel {
 pub enum FieldGrid {
     /// Rectangles in the plane.
     XY {
-        /// Lower left corner.
+        /// Lower left corner, m.
         low: (Finite, Finite),
-        /// Upper right corner.
+        /// Upper right corner, m.
         high: (Finite, Finite),
         /// Columns and rows.
         cells: (u16, u16),
     },
     /// Boxes of solid space that reach through `y`.
     XZ {
-        /// Lowest x and z.
+        /// Lowest x and z, m.
         low: (Finite, Finite),
-        /// Highest x and z.
+        /// Highest x and z, m.
         high: (Finite, Finite),
         /// Columns and rows.
         cells: (u16, u16),
-        /// Lowest and highest y. Default: the periodic side.
+        /// Lowest and highest y, m. Default: the periodic side.
         y: Option<(Finite, Finite)>,
     },
     /// Rings of solid space about a vertical axis.
     RZ {
-        /// Place of the axis, (x, y). Default (0, 0).
+        /// Place (x, y) of the axis, m. Default (0, 0).
         #[serde(default = "origin")]
         axis: (Finite, Finite),
-        /// Outer radius of the last ring.
+        /// Outer radius of the last ring, m.
         radius: Positive,
-        /// Lowest z.
+        /// Lowest z, m.
         low: Finite,
-        /// Highest z.
+        /// Highest z, m.
         high: Finite,
         /// Rings and layers.
         cells: (u16, u16),
     },
     /// Boxes of solid space.
     XYZ {
-        /// Lowest corner.
+        /// Lowest corner, m.
         low: (Finite, Finite, Finite),
-        /// Highest corner.
+        /// Highest corner, m.
         high: (Finite, Finite, Finite),
         /// Cells along x, y and z.
         cells: (u16, u16, u16),

@@ -22,9 +22,9 @@ use siloflow_dem::values::{NonNegative, Share};
 pub enum Moment {
     /// At a time, s.
     At(NonNegative),
-    /// So many seconds after the first door began to open.
+    /// This time after the first door began to open, s.
     AfterDoor(NonNegative),
-    /// So many seconds after the bed came to rest.
+    /// This time after the bed came to rest, s.
     AfterRest(NonNegative),
     /// When this share of the grains that enter are out.
     Out(Share),

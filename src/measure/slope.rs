@@ -51,7 +51,7 @@ pub enum Falls {
     Along(FiniteVector),
     /// Away from the vertical line through a point, m, as a heap does.
     Outwards(FiniteVector),
-    /// Towards that line, as the bed above an outlet does.
+    /// Towards the vertical line through a point, m, as the bed above an outlet does.
     Inwards(FiniteVector),
 }
 

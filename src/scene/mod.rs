@@ -60,7 +60,7 @@ use siloflow_dem::walls::silo_file::Silo;
 /// The page of reference of the keys, for the help of errors.
 pub(crate) const KEYS: &str = include_str!("../../docs/reference/scene-file.md");
 
-/// A parsed scene.
+/// A scene of grains.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -70,60 +70,60 @@ pub struct Scene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// Named values for expressions: [`siloflow_text::source::parameters`].
+    /// Named values for [expressions](siloflow_text::source::parameters), of any unit.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
-    /// Grains here; scenes of another method have other keys.
+    /// The method: `Grains` for a scene with the keys here. Scenes of another method have other keys.
     #[serde(default)]
     pub method: Method,
-    /// The plane, or solid space.
+    /// The plane, or solid space. Heights are along its last axis whatever `gravity` is; `check` warns where they differ.
     #[serde(default)]
     pub space: Dimension,
     /// Acceleration of gravity (x, y), in solid space (x, y, z), m/s^2.
     pub gravity: FiniteVector,
-    /// Periodic sides.
+    /// Sides beyond which the box repeats itself. Default: none.
     #[serde(default)]
     pub periodic: PeriodicSides,
-    /// Contact law.
+    /// The law of contacts between grains, and between grains and walls.
     pub contact: Contact,
-    /// Parameters of that law for pairs of species.
+    /// Parameters of that law for pairs of species, with the same kind of law.
     #[serde(default)]
     pub pairs: Vec<PairOfSpecies>,
-    /// Elastic materials by species, for Hertz's law.
+    /// Elastic materials for Hertz's law: one for all species, or one for each.
     #[serde(default)]
     pub materials: Vec<Material>,
-    /// Moment of inertia, where grains spin. Default: of spheres in solid space, of discs in the plane.
+    /// Moment of inertia, where grains spin; refused with `shapes`, from which it follows. Default: of spheres in solid space, of discs in the plane.
     pub inertia: Option<InertiaLaw>,
-    /// Mass law (mass from radius) of grains that are released or filled.
+    /// Law for the masses of grains from their radii; needed by `spawner`, `feed` and `fill`.
     pub mass: Option<MassLaw>,
-    /// Integration scheme.
+    /// Integration scheme. Default `Centred`, with `step: Auto` the cheaper of `Centred` and `Verlet`.
     #[serde(default)]
     pub integrator: Integrator,
     /// Time step.
     pub step: TimeStep,
     /// Neighbour search. Default: a Verlet list with a skin of the smallest radius, in solid space a fifth of it.
     pub neighbours: Option<Neighbours>,
-    /// A silo file: wall grains and door grains.
+    /// A silo file: wall grains and door grains, in the plane.
     pub silo: Option<Silo>,
-    /// Shapes of grains by name.
+    /// Shapes of grains by name; without, grains are spheres (discs).
     #[serde(default)]
     pub shapes: BTreeMap<String, ShapeConfig>,
-    /// Further discs, and wall surfaces.
+    /// Walls: surfaces, and discs or spheres that are fixed grains.
     #[serde(default)]
     pub walls: Vec<Wall>,
     /// A file with the grains at the start.
     pub grains: Option<GrainFile>,
-    /// Grains at the start, placed on lattices.
+    /// Grains at the start, on lattices or at random places.
     #[serde(default)]
     pub fill: Vec<Fill>,
     /// Releases grains one by one.
     pub spawner: Option<Spawner>,
-    /// Releases grains at a rate in a region.
+    /// Releases grains at a rate in a region; not beside `spawner`.
     #[serde(default)]
     pub feed: Vec<Feed>,
     /// Detects rest.
     pub rest: Option<Rest>,
-    /// Opens the door.
+    /// Opens the door of door grains, or of walls with `door: true`.
     pub door: Option<DoorControl>,
     /// Opens doors whose walls have names.
     #[serde(default)]
@@ -142,38 +142,39 @@ pub struct Scene {
     /// Limits that stop a faulty run; with `None` only non-finite numbers stop it.
     #[serde(default = "default_watchdog")]
     pub watchdog: Option<Watchdog>,
-    /// Whether the energy balance is computed, which takes time: [`crate::energy`].
+    /// Whether the [energy balance](crate::energy) is computed, which takes time. Without it there are no energy flows in `summary.json` and
+    /// `series.csv`, and the watchdog checks overlaps alone; the motion is the same to the last bit. Default `true`.
     #[serde(default = "default_energy_balance", alias = "energy_books")]
     pub energy_balance: bool,
-    /// At least one of so many steps sums the dissipation of the energy balance; with `None` the number of grains alone
-    /// decides: [`crate::energy::sampling`].
+    /// At least one of so many steps [sums](crate::energy::sampling) the dissipation of the energy balance; with 1 every step does. Default: one in
+    /// 4 with 1000 grains or more, one in 8 with 10,000 or more, else every step; more on demand.
     pub energy_balance_every: Option<NonZeroU32>,
-    /// Latest end of the run, s of simulated time.
+    /// Latest end of the run in simulated time, s.
     pub until: Positive,
     /// Conditions that end the run before `until`.
     #[serde(default)]
     pub stop: Vec<StopCondition>,
     /// Restarts the flow when the outlet is clogged.
     pub kick: Option<Kick>,
-    /// Measures fill height and packing fraction at rest.
+    /// Measures fill height and packing fraction at rest, in the plane.
     pub bed: Option<Bed>,
-    /// Averages over bins along an axis.
+    /// Averages over bins along an axis, written to `profiles.csv`.
     #[serde(default)]
     pub profiles: Vec<Profile>,
-    /// Averages on grids: densities, velocity, stress.
+    /// Averages on grids: densities, velocity, temperature, stress and shares of species, written to `fields.csv`.
     #[serde(default)]
     pub fields: Vec<Field>,
-    /// Loads on walls by height.
+    /// Pressure and friction on walls by height, written to `wall_bands.csv`.
     #[serde(default)]
     pub wall_bands: Vec<WallBands>,
-    /// Slopes of the free surface.
+    /// Angles of the free surface, written to `slopes.csv` and `summary.json`.
     #[serde(default)]
     pub slopes: Vec<Slope>,
-    /// A field of mean velocity.
+    /// A field of mean velocity while grains flow out, in the plane, written to `flow.csv`.
     pub flow: Option<Flow>,
-    /// Figures of the discharge over a window of time.
+    /// Figures of the discharge over a window of time: rates with confidence intervals, residence time and segregation, in `summary.json`.
     pub outflow: Option<Outflow>,
-    /// The rows of `series.csv`.
+    /// The rows of `series.csv` and of other files. Default: interval 0.05.
     #[serde(default)]
     pub series: Series,
     /// Checkpoints; `None` for none.
@@ -228,7 +229,8 @@ impl Scene {
 pub enum TimeStep {
     /// A fixed time step, s.
     Fixed(Positive),
-    /// The largest step that keeps the rms error of impacts within a bound: [`crate::scene::check::automatic`].
+    /// The largest step that keeps the [rms error of impacts](crate::scene::check::automatic) within a bound. An impact at the worst phase of a step
+    /// may have up to 2.5 times this error.
     Auto {
         /// Root-mean-square error of the velocities after an impact, over the impact speed.
         error: ImpactError,

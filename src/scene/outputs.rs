@@ -10,23 +10,23 @@ use siloflow_results::pictures::camera::Direction;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pictures {
-    /// Time between pictures, s.
+    /// Time between pictures, s. Default 1.
     pub interval: Positive,
-    /// Width, px.
+    /// Width, px. Default 600.
     pub width: Positive,
-    /// The quantity that colours the grains.
+    /// The quantity that colours the grains. Default `Species`.
     pub colour: Colour,
-    /// Whether each SVG is also written as PNG.
+    /// Whether each SVG is also written as PNG. Default `false`.
     pub png: bool,
-    /// Force, N, whose bond is drawn as wide as the smallest radius. Without it no contact forces are drawn.
+    /// Force whose bond is drawn as wide as the smallest radius, N. Without it no contact forces are drawn.
     pub network: Option<Positive>,
     /// Lower left and upper right corner of the view, m, to the right and up in the picture; of solid space seen from the front in
     /// x and z. Default: all walls and all grains at the start.
     pub view: Option<(FiniteVector, FiniteVector)>,
-    /// Where the observer looks; in solid space only.
+    /// Where the observer looks; in solid space only. Default `Front`.
     pub direction: Direction,
-    /// Depth of the plane in front of which grains are left out, m along the direction of looking from the middle of the scene; in
-    /// solid space only.
+    /// Depth of the plane in front of which grains and walls are left out, m, along the direction of looking from the middle of the scene;
+    /// in solid space only.
     pub cut: Option<Finite>,
 }
 
@@ -40,7 +40,7 @@ pub enum Colour {
     Speed(Positive),
     /// The pressure, from 0 to this, N/m, in solid space N/m^2.
     Pressure(Positive),
-    /// A column of the table `grains` of [`frames.bin`](siloflow_files::frames), and the ends of the scale.
+    /// A column of the table `grains` of [`frames.bin`](siloflow_files::frames), and the ends of the scale in the unit of the column.
     Column(String, Finite, Finite),
 }
 
@@ -75,11 +75,11 @@ impl Default for Pictures {
 pub struct DataFrames {
     /// Time between frames, s. Default: enough frames for a movie wherever the run ends; without pictures there are no frames then.
     pub interval: Option<Positive>,
-    /// Whether frames hold contacts.
+    /// Whether frames hold contacts. Default `true`.
     pub contacts: bool,
-    /// Whether they hold wall surfaces.
+    /// Whether frames hold wall surfaces. Default `true`.
     pub walls: bool,
-    /// Formats of other programs in which frames are also written.
+    /// Formats of other programs in which frames are also written. Default: none.
     pub format: Vec<Format>,
 }
 
@@ -93,7 +93,7 @@ impl Default for DataFrames {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
-    /// Time between rows, s.
+    /// Time between rows of `series.csv`, `walls.csv`, `wall_groups.csv`, `free_walls.csv`, `slopes.csv` and `centres.csv`, s.
     pub interval: Positive,
 }
 

@@ -44,13 +44,13 @@ fn pages() -> Vec<PathBuf> {
 }
 
 /// The name that a heading has in links, as code hosts derive it.
-fn anchor(heading: &str) -> String {
+pub fn anchor(heading: &str) -> String {
     let kept = heading.trim().to_lowercase().replace(' ', "-");
     kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, '-' | '_')).collect()
 }
 
 /// The text without fenced blocks, and those blocks with their language.
-fn split(text: &str) -> (String, Vec<(String, String)>) {
+pub fn split(text: &str) -> (String, Vec<(String, String)>) {
     let mut prose = String::new();
     let mut blocks = Vec::<(String, String)>::new();
     let mut open = false;

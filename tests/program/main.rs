@@ -64,6 +64,8 @@ mod report;
 mod resume;
 #[cfg(unix)]
 mod run_directory;
+#[cfg(unix)]
+mod scene_keys;
 mod scenes;
 mod searches;
 mod shaped_results;

@@ -20,11 +20,11 @@ use crate::space::quad;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PeriodicSides {
-    /// Along x.
+    /// Lower and upper side along x, m.
     pub x: Option<(f64, f64)>,
-    /// Along y.
+    /// Lower and upper side along y, m.
     pub y: Option<(f64, f64)>,
-    /// Along z.
+    /// Lower and upper side along z, m.
     pub z: Option<(f64, f64)>,
 }
 

@@ -42,11 +42,11 @@ use siloflow_dem::values::Positive;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Watchdog {
-    /// Steps between two checks of the energy.
+    /// Steps between two checks of the energy. Default 500.
     pub every: NonZeroU32,
-    /// Largest share of the energy input that may appear without a source; `None` disables the check.
+    /// Largest share of the energy input that may appear without a source, dimensionless; `None` disables the check. Default 0.1.
     pub energy: Option<Positive>,
-    /// Largest ratio of overlap to the smaller radius; `None` disables the check.
+    /// Largest ratio of overlap to the smaller radius, dimensionless; `None` disables the check. Default 1.
     pub overlap: Option<Positive>,
 }
 

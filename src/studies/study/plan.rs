@@ -31,17 +31,17 @@ pub struct StudyPlan {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Variant {
-    /// Stopping in collisions.
+    /// Stopping in collisions: the probability p.
     pub p: Option<f64>,
-    /// Momentum loss in collisions.
+    /// Momentum loss in collisions: the probability q.
     pub q: Option<f64>,
-    /// Wall friction.
+    /// Wall friction: the probability b.
     pub b: Option<f64>,
-    /// Internal friction.
+    /// Internal friction: the probability k.
     pub k: Option<f64>,
-    /// Gravity.
+    /// Gravity: the probability g.
     pub g: Option<f64>,
-    /// Gravity of particles at rest.
+    /// Gravity of particles at rest: the probability h.
     pub h: Option<f64>,
     /// Effect of rough walls.
     pub walls: Option<Walls>,

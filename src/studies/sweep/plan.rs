@@ -22,12 +22,12 @@ pub const MOST_RUNS: usize = 100_000;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Plan")]
 pub struct SweepPlan {
-    /// The scene. Its path is relative to the directory of the sweep file.
+    /// Path of the scene, relative to the directory of the sweep file.
     pub scene: PathBuf,
     /// Keys of the scene that have one value in all runs.
     #[serde(default)]
     pub set: BTreeMap<String, Box<RawValue>>,
-    /// Keys of the scene with their values. The points are all combinations.
+    /// Keys of the scene with their values. The points are all combinations of their values.
     #[serde(default)]
     pub axes: Vec<Axis>,
     /// Keys of the scene whose values are drawn together.
@@ -36,9 +36,9 @@ pub struct SweepPlan {
     /// Units of keys with several values, for the axes and legends of figures and the groups of fits.
     #[serde(default)]
     pub units: BTreeMap<String, String>,
-    /// Seeds of the runs of each point.
+    /// Seeds of the runs of each point, or a number n for the seeds 1 to n.
     pub seeds: Seeds,
-    /// Paths of numbers in `summary.json`.
+    /// Paths of numbers in `summary.json`, or other figures.
     pub figures: Vec<String>,
     /// A law that is fitted to the means of a figure.
     #[serde(default)]
@@ -60,9 +60,9 @@ pub enum Axis {
     Range {
         /// The key.
         key: String,
-        /// The first number.
+        /// The first number, in the unit of the key.
         from: f64,
-        /// The last number.
+        /// The last number, in the unit of the key.
         to: f64,
         /// Count of numbers, at least 2.
         count: usize,
@@ -88,7 +88,7 @@ pub enum Spacing {
 pub struct LatinHypercube {
     /// Number of samples.
     pub samples: usize,
-    /// Seed of the random numbers of the samples.
+    /// Seed of the random numbers of the samples. Default 1.
     #[serde(default = "one")]
     pub seed: u64,
     /// The keys and their ranges.
@@ -101,9 +101,9 @@ pub struct LatinHypercube {
 pub struct Interval {
     /// The key.
     pub key: String,
-    /// Lower end.
+    /// Lower end, in the unit of the key.
     pub low: f64,
-    /// Upper end.
+    /// Upper end, in the unit of the key.
     pub high: f64,
     /// Whether numbers or their logarithms are uniform.
     #[serde(default)]

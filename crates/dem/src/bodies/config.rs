@@ -39,9 +39,9 @@ pub enum ShapeConfig {
     },
     /// A grain of a published size, in solid space: an ellipsoid.
     Crop {
-        /// Which.
+        /// Which crop.
         kind: Crop,
-        /// Number of spheres, if not the one of the kind.
+        /// Number of spheres. Default: that of the crop.
         #[serde(default)]
         spheres: Option<u16>,
     },

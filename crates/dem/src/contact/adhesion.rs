@@ -33,13 +33,13 @@ use crate::values::{NonNegative, Positive};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Adhesion {
-    /// A constant pull, N.
+    /// A constant pull while two bodies touch, N.
     Force(NonNegative),
-    /// The pull 2 pi w R*; work of adhesion w, J/m^2.
+    /// The pull 2 pi w R* of a work of adhesion w, J/m^2.
     Dmt(NonNegative),
-    /// The pull q A; cohesion energy density q, J/m^3.
+    /// The pull q A of a density of cohesion energy q, J/m^3, where A = 2 pi R* delta: linear cohesion.
     Area(NonNegative),
-    /// The law of Johnson, Kendall and Roberts, [`jkr`](super::jkr), in place of Hertz's force; work of adhesion w, J/m^2.
+    /// The law of Johnson, Kendall and Roberts, [`jkr`](super::jkr), in place of Hertz's force, with a work of adhesion w, J/m^2.
     Jkr(Positive),
 }
 

@@ -14,14 +14,15 @@ use crate::values::{NonNegative, Positive, Restitution};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Contact {
-    /// The law of the assignment, [`Assignment`](crate::contact::assignment::Assignment).
+    /// The law of the assignment, [`Assignment`](crate::contact::assignment::Assignment): k delta n - b (v_i - v_j).
     Assignment {
         /// Spring stiffness k, N/m.
         k: Positive,
         /// Drag b on the full relative velocity, N s/m.
         b: NonNegative,
     },
-    /// The linear spring-dashpot along the normal, [`LinearNormal`](crate::contact::linear::LinearNormal), with optional friction.
+    /// The linear spring-dashpot along the normal, [`LinearNormal`](crate::contact::linear::LinearNormal), (k delta - c v_n) n, with optional
+    /// friction.
     Linear {
         /// Spring stiffness k_n, N/m.
         k: Positive,
@@ -30,7 +31,7 @@ pub enum Contact {
         /// Whether the normal force may pull.
         #[serde(default)]
         attraction: Attraction,
-        /// Friction. Without it, the default, grains do not spin.
+        /// Friction; without it grains do not spin.
         tangential: Option<Friction>,
         /// Rolling resistance; only together with `Spring` friction.
         rolling: Option<RollingKeys>,
@@ -51,7 +52,7 @@ pub enum Contact {
         /// Whether the normal force may pull.
         #[serde(default)]
         attraction: Attraction,
-        /// Friction. Without it, the default, grains do not spin.
+        /// Friction; without it grains do not spin.
         tangential: Option<HertzFriction>,
         /// Rolling resistance; only together with friction.
         rolling: Option<RollingKeys>,
@@ -75,7 +76,7 @@ pub enum Friction {
     Dashpot {
         /// Damping of the sliding velocity.
         damping: TangentialDamping,
-        /// Coefficient mu.
+        /// Coefficient of friction mu, dimensionless.
         friction: NonNegative,
     },
     /// A spring with memory and a dashpot, capped at mu |F_n|: [`SpringSlider`](crate::contact::tangential::SpringSlider).
@@ -84,7 +85,7 @@ pub enum Friction {
         k: Positive,
         /// Damping of the sliding velocity.
         damping: TangentialDamping,
-        /// Coefficient mu.
+        /// Coefficient of friction mu, dimensionless.
         friction: NonNegative,
     },
 }
@@ -95,9 +96,9 @@ pub enum Friction {
 pub enum HertzFriction {
     /// Mindlin's no-slip stiffness, capped at mu |F_n|: [`Mindlin`](crate::contact::hertz::Mindlin).
     Mindlin {
-        /// Coefficient mu.
+        /// Coefficient of friction mu, dimensionless.
         friction: NonNegative,
-        /// Tangential damping. By default, the damping ratio of the normal force.
+        /// Tangential damping. Default: the damping ratio of the normal force.
         #[serde(skip_serializing_if = "Option::is_none")]
         damping: Option<MindlinDamping>,
     },
@@ -107,7 +108,7 @@ pub enum HertzFriction {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairOfSpecies {
-    /// The two species.
+    /// The two species, of which both may be the same.
     pub species: (u8, u8),
     /// The law between the two species, of the same kind as `contact`.
     pub contact: Contact,

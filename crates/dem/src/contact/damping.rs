@@ -22,7 +22,7 @@ use crate::values::{NonNegative, Restitution};
 pub enum Damping {
     /// c = b, N s/m, the same for every pair.
     B(NonNegative),
-    /// c = gamma_n m_eff, gamma_n in 1/s (as in LAMMPS): the same decay rate for every pair.
+    /// c = gamma_n m_eff for this gamma_n, 1/s, as in LAMMPS: the same decay rate for every pair.
     PerMass(NonNegative),
     /// The restitution, the same for every pair: c = 2 zeta sqrt(k m_eff).
     Restitution(Restitution),

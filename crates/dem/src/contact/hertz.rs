@@ -180,7 +180,7 @@ impl Mindlin {
 /// How a scene gives the tangential damping of [`Mindlin`].
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum MindlinDamping {
-    /// c_t is this fraction of the normal c.
+    /// c_t is this share of the normal c, dimensionless.
     OfNormal(NonNegative),
 }
 

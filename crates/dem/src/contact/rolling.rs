@@ -40,7 +40,7 @@ pub struct RollingResistance {
 pub enum RollingDamping {
     /// c = b, N s/m.
     B(NonNegative),
-    /// c = gamma m_eff, gamma in 1/s.
+    /// c = gamma m_eff for this gamma, 1/s.
     PerMass(NonNegative),
 }
 

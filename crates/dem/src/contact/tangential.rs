@@ -62,9 +62,9 @@ impl Lever {
 pub enum TangentialDamping {
     /// c_t = b, N s/m.
     B(NonNegative),
-    /// c_t = gamma_t m_eff, gamma_t in 1/s, as in LAMMPS.
+    /// c_t = gamma_t m_eff for this gamma_t, 1/s, as in LAMMPS.
     PerMass(NonNegative),
-    /// c_t is this fraction of the normal c.
+    /// c_t is this share of the normal c, dimensionless.
     OfNormal(NonNegative),
 }
 

@@ -29,7 +29,7 @@ pub struct TwistingKeys {
     pub k: Positive,
     /// Damping of the twisting velocity.
     pub damping: RollingDamping,
-    /// Coefficient mu_w.
+    /// Coefficient mu_w, dimensionless: the torque is at most mu_w R* F_n.
     pub friction: NonNegative,
 }
 

@@ -45,7 +45,7 @@ pub enum Neighbours {
     },
     /// Like [`Cells`](Neighbours::Cells), with L given as a multiple of the largest radius.
     CellsOfRange {
-        /// L over the largest radius: at least 2 if all particles are grains. A scene writes `rng`, the name of the soft-particle paper.
+        /// L over the largest radius, dimensionless: at least 2 if all particles are grains. A scene writes `rng`, the name of the soft-particle paper.
         #[serde(rename = "rng")]
         range: Positive,
     },

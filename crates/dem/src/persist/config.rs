@@ -11,9 +11,9 @@ use crate::values::NonNegative;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CheckpointConfig {
-    /// Wall-clock time between checkpoints, minutes.
+    /// Wall-clock time between checkpoints, minutes. Default 10.
     pub every: NonNegative,
-    /// Number of checkpoints that are kept.
+    /// Number of checkpoints that are kept. Default 2.
     pub keep: NonZeroU8,
 }
 

@@ -40,10 +40,10 @@ pub(crate) const PARTED: f64 = 1e-90;
 /// The scene's `space`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Dimension {
-    /// Two dimensions, discs.
+    /// Vectors are (x, y), y is up, grains are discs.
     #[default]
     Plane,
-    /// Three dimensions, spheres.
+    /// Vectors are (x, y, z), z is up, grains are spheres.
     Solid,
 }
 

@@ -29,15 +29,15 @@ pub enum Law {
     Power,
     /// y = A (x - D0)^p.
     Beverloo {
-        /// The exponent p: 1.5 in the plane, 2.5 in solid space.
+        /// The exponent p, dimensionless: 1.5 in the plane, 2.5 in solid space.
         power: f64,
         /// Diameter of the grains, m. With it k = D0/d is given.
         #[serde(default)]
         grain: Option<f64>,
-        /// Density of the bed in the figure's unit. With it C is given.
+        /// Density of the bed in the unit of the figure. With it C is given.
         #[serde(default)]
         density: Option<f64>,
-        /// Acceleration of gravity, m/s^2.
+        /// Acceleration of gravity, m/s^2. Default 9.81.
         #[serde(default = "earth")]
         gravity: f64,
     },

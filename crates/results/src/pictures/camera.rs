@@ -30,7 +30,7 @@ pub enum Direction {
     Bottom,
     /// From above, right and front, with all axes equally long.
     Iso,
-    /// Along this vector (x, y, z).
+    /// Along this vector (x, y, z) of any length, from the observer to the scene.
     Towards(f64, f64, f64),
 }
 

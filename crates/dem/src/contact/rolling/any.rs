@@ -41,7 +41,7 @@ pub enum RollingKind {
     Spring,
     /// A spring with the tangential stiffness of the contact.
     Elastic,
-    /// A constant torque.
+    /// The constant torque mu_r R* F_n against the rolling.
     Torque,
 }
 
@@ -56,7 +56,7 @@ pub struct RollingKeys {
     pub k: Option<Positive>,
     /// Damping of the rolling velocity; with `Spring`, which needs it, and `Elastic`.
     pub damping: Option<RollingDamping>,
-    /// Coefficient mu_r.
+    /// Coefficient mu_r, dimensionless: the torque is at most mu_r R* F_n.
     pub friction: NonNegative,
 }
 

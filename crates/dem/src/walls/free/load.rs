@@ -8,9 +8,9 @@ use crate::values::Finite;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(untagged)]
 pub enum Load {
-    /// The same at all times.
+    /// The same at all times, N or N m.
     Constant(Finite),
-    /// Times, s, and loads. Between two rows the load follows a straight line, before the first and after the last one it is theirs.
+    /// Pairs of a time and a load, s and N or N m. Between two rows the load follows a straight line, before the first and after the last one it is theirs.
     Table(Vec<(Finite, Finite)>),
 }
 

@@ -40,26 +40,26 @@ pub struct FreeWall {
     pub walls: String,
     /// The way that they can go.
     pub moves: Freedom,
-    /// Mass, kg: the inertia of a shift, and what gravity pulls.
+    /// Mass, kg: the inertia of walls that shift, and what gravity pulls.
     pub mass: Option<Positive>,
     /// Moment of inertia about the axis of a hinge, kg m^2.
     pub inertia: Option<Positive>,
     /// Centre of mass in the scene, m, for gravity on a hinge. Default: on the axis.
     pub centre: Option<FiniteVector>,
-    /// Rate per force of a servo, m/(N s), of a hinge rad/(N m s), in place of an inertia.
+    /// Rate per force of a servo, m/(N s) or rad/(N m s), in place of an inertia: it presses with a set load without swinging.
     pub gain: Option<Positive>,
-    /// Whether gravity pulls the mass. Default: yes.
+    /// Whether gravity pulls the mass. Default `true`.
     #[serde(default = "yes")]
     pub gravity: bool,
-    /// Force along the direction, N; of a hinge the torque, N m: constant, or straight lines between times. Default 0.
+    /// Force along the direction, or torque about the axis, N or N m: constant, or straight lines between times. Default 0.
     pub load: Option<Load>,
     /// A spring.
     pub spring: Option<WallSpring>,
-    /// Coefficient of a dashpot, N s/m; of a hinge N m s. Default 0.
+    /// Coefficient of a dashpot, N s/m or N m s. Default 0.
     pub damping: Option<NonNegative>,
     /// A motor with a limited force.
     pub motor: Option<Motor>,
-    /// Lowest and highest shift, m, or angle, rad.
+    /// Lowest and highest shift or angle, m or rad, around 0, the place in the scene. A wall that meets a stop loses its velocity.
     pub stops: (Finite, Finite),
     /// Rate at the start, m/s or rad/s. Default 0.
     pub rate: Option<Finite>,
@@ -102,7 +102,7 @@ impl Freedom {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallSpring {
-    /// Stiffness, N/m, of a hinge N m/rad.
+    /// Stiffness, N/m or N m/rad.
     pub stiffness: Positive,
     /// The coordinate at which it is relaxed, m or rad. Default 0.
     pub rest: Option<Finite>,
@@ -112,11 +112,11 @@ pub struct WallSpring {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
-    /// m/s or rad/s.
+    /// Rate towards which the motor pulls, m/s or rad/s.
     pub speed: Finite,
-    /// Largest force, N, or torque, N m.
+    /// Largest force or torque, N or N m.
     pub limit: Positive,
-    /// Force per difference of rates, N s/m, or N m s.
+    /// Force per difference of rates, N s/m or N m s.
     pub gain: Positive,
 }
 

@@ -33,10 +33,10 @@ use crate::walls::pose::Pose;
 pub struct Motion {
     /// The `name` of the walls that move.
     pub walls: String,
-    /// Shift, m, by a velocity, m/s, an oscillation or a table.
+    /// Shift by a velocity, an oscillation or a table.
     #[serde(default)]
     pub translate: Option<Course<FiniteVector>>,
-    /// Rotation.
+    /// Rotation about an axis, which moves along with the shift.
     #[serde(default)]
     pub rotate: Option<Turn>,
     /// When the motion begins, s. Default 0.
@@ -56,18 +56,18 @@ pub struct Turn {
     /// Direction of the axis, of any non-zero length, in solid space; in the plane the axis points to the reader.
     #[serde(default)]
     pub axis: Option<FiniteVector>,
-    /// Angle, rad, by an angular velocity, rad/s, an oscillation or a table; positive by the right-hand rule.
+    /// Angle by an angular velocity, an oscillation or a table; positive by the right-hand rule.
     pub by: Course<Finite>,
 }
 
 /// How a shift or an angle changes in time.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Course<T> {
-    /// At a constant rate, 1/s.
+    /// At a constant rate, m/s or rad/s.
     Steady(T),
     /// In a sine about the place in the scene, from which it starts.
     Oscillate {
-        /// Amplitude.
+        /// Amplitude, m or rad.
         amplitude: T,
         /// Frequency, Hz.
         frequency: Positive,
@@ -77,7 +77,7 @@ pub enum Course<T> {
     },
     /// Along the rows of a CSV file.
     Table {
-        /// Path of the file, relative to the scene file: `time_s`, then the components of the shift, m, or the angle, rad.
+        /// Path of the file, relative to the scene file. Its columns are `time_s`, then the components of the shift, m, or the angle, rad.
         file: PathBuf,
         /// The curve; read from the file after the scene.
         #[serde(skip)]
