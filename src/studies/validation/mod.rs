@@ -8,11 +8,13 @@
 //! | groups of runs by a number of theirs | [`groups`] |
 //! | pages and tables | [`page`] |
 //! | paths of grains between frames | [`tracks`] |
+//! | avalanches of a silo that clogs | [`avalanches`] |
 //!
 //! A case is a set of scenes and sweep files, which the program carries. Its short form takes minutes on one core, its full form at most about an
 //! hour. The runs are those of `siloflow sweep`, so an interrupted validation continues. A case then reads its run directories as any user
 //! can, and returns rows and figures.
 
+pub mod avalanches;
 pub mod cases;
 pub mod groups;
 pub mod page;

@@ -1,25 +1,17 @@
 //! Clogging of a small planar silo: the sizes of avalanches, and their mean against the width of the orifice.
 //!
-//! A flow whose grains clog the orifice with a constant chance p each has sizes n with the geometric distribution p (1 - p)^n, the discrete form of the exponential
-//! one (Zuriguel, Garcimartin, Maza, Pugnaloni and Pastor, Phys. Rev. E 71, 051303, 2005). It holds for the tail: the first grains after a blow
-//! fall in another state than those of a steady flow. So the excesses k = 0, 1, ... of the sizes over their lower third are tested:
-//!
-//! | figure | definition | a geometric distribution has |
-//! |---|---|---|
-//! | ratio of moments | mean of (k + 1)^2 over the squared mean of k + 1 | 2 - 1/M, with M the mean of k + 1 |
-//! | p-value | chance of a larger distance of a geometric sample ([`geometric`](siloflow_figures::statistics::geometric)) | a uniform value |
+//! Sizes are tested for an exponential tail by [`avalanches`](crate::studies::validation::avalanches).
 //!
 //! The mean is fitted with two laws of the literature: ln n = a + b D^2, without a critical width (Janda, Zuriguel, Garcimartin, Pugnaloni and Maza,
 //! EPL 84, 44002, 2008), and ln n = a - c ln(D_c - D), which diverges at a critical width D_c (Zuriguel et al. 2005, for spheres).
 
-use crate::random::Stream;
+use crate::studies::validation::avalanches::{Avalanches, survival};
 use crate::studies::validation::runs::{FinishedRun, Studies};
 use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
 use siloflow_figures::statistics::digits::short;
 use siloflow_figures::statistics::fit::{BestLine, Law, best_line};
-use siloflow_figures::statistics::geometric::{count, mean, ratio_of_moments, test};
 use siloflow_text::fault::Fault;
 
 /// The case.
@@ -39,59 +31,22 @@ pub const CASE: Case = Case {
     judge,
 };
 
-/// Smallest chance at which sizes count as exponential: one in a hundred cases is wrong.
-const SMALLEST_CHANCE: f64 = 0.01;
-
 /// Width of the orifice of the runs with stiffer grains, diameters.
 const WIDTH_OF_STIFF: f64 = 3.0;
 
-/// The avalanches of one width.
-struct Avalanches {
-    /// Width of the orifice, diameters.
-    width: f64,
-    sizes: Vec<u32>,
-    /// Blows after which no grain left.
-    idle: usize,
-}
-
-impl Avalanches {
-    /// Returns the avalanches of a run without the first, which begins with the bed at rest.
-    fn of(run: &FinishedRun) -> Self {
-        let all = run.files.summary["avalanches"].as_array().map_or(&[][..], |all| all);
-        let grains = all.iter().skip(1).filter_map(|one| u32::try_from(one["grains"].as_u64()?).ok());
-        let (idle, sizes): (Vec<u32>, Vec<u32>) = grains.partition(|grains| *grains == 0);
-        Self { width: run.value("parameters.width").unwrap_or(3.0), sizes, idle: idle.len() }
-    }
-
-    fn mean(&self) -> f64 {
-        mean(&self.sizes)
-    }
-
-    /// Returns the standard error of the mean.
-    fn error(&self) -> f64 {
-        let n = count(&self.sizes);
-        let m = self.mean();
-        let squares: f64 = self.sizes.iter().map(|size| (f64::from(*size) - m).powi(2)).sum();
-        (squares / (n - 1.0) / n).sqrt()
-    }
-
-    /// Returns the excesses of the upper two thirds over the largest size of the lower third.
-    fn tail(&self) -> Vec<u32> {
-        let mut sorted = self.sizes.clone();
-        sorted.sort_unstable();
-        let Some(&start) = sorted.get(sorted.len() / 3) else { return Vec::new() };
-        sorted.into_iter().filter_map(|size| size.checked_sub(start + 1)).collect()
-    }
+fn of(run: &FinishedRun) -> Avalanches {
+    let width = run.value("parameters.width").unwrap_or(WIDTH_OF_STIFF);
+    Avalanches::of(run, format!("D = {width} d"), width)
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "other cases can fail")]
 fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let mut judgement = Judgement::default();
-    let all: Vec<_> = studies.first_of(&["short.ron", "full.ron"]).iter().map(Avalanches::of).collect();
+    let all: Vec<_> = studies.first_of(&["short.ron", "full.ron"]).iter().map(of).collect();
     let mut idle = 0;
     for it in &all {
         idle += it.idle;
-        rows(it, &mut judgement);
+        judgement.rows.extend(it.rows());
     }
     let softest = all.iter().find(|it| (it.width - WIDTH_OF_STIFF).abs() < 1e-9);
     stiffness(softest, studies.runs("full-stiff.ron"), &mut judgement);
@@ -131,7 +86,7 @@ fn stiffness(softest: Option<&Avalanches>, stiff: &[FinishedRun], judgement: &mu
     let mut error = softest.error();
     for run in stiff {
         let times = 5.0 / run.value("parameters.soft").unwrap_or(f64::NAN);
-        let it = Avalanches::of(run);
+        let it = of(run);
         let name = format!("D = {WIDTH_OF_STIFF} d, grains {} times as stiff: mean size", short(times));
         let row = FigureRow::new(name, "grains", it.mean())
             .error(Some(it.error()))
@@ -144,29 +99,6 @@ fn stiffness(softest: Option<&Avalanches>, stiff: &[FinishedRun], judgement: &mu
         });
         (mean, error) = (it.mean(), it.error());
     }
-}
-
-/// Adds the rows of one width.
-fn rows(it: &Avalanches, judgement: &mut Judgement) {
-    let tail = it.tail();
-    let stream = Stream::new(1, "geometric");
-    let mut counter = 0;
-    let test = test(&tail, || {
-        counter += 1;
-        stream.uniform(counter - 1)
-    });
-    let name = format!("D = {} d", it.width);
-    let m = mean(&tail) + 1.0;
-    judgement.rows.extend([
-        FigureRow::new(format!("{name}: mean size of {} avalanches", it.sizes.len()), "grains", it.mean())
-            .error(Some(it.error())),
-        FigureRow::new(format!("{name}: p-value of an exponential tail"), "", test.p_value)
-            .rule(Rule::Between(SMALLEST_CHANCE, 1.0)),
-        FigureRow::new(format!("{name}: ratio of moments of the tail"), "", ratio_of_moments(&tail))
-            .error(Some(test.spread))
-            .published(2.0 - 1.0 / m, Rule::WithinAbsolute(3.0 * test.spread))
-            .remark("the other value is that of an exponential distribution; the rule is three standard errors"),
-    ]);
 }
 
 /// Adds the rows of both laws and returns their curves.
@@ -210,41 +142,6 @@ fn trends(means: &[(f64, f64)], judgement: &mut Judgement) -> [Vec<(f64, f64)>; 
     curves
 }
 
-/// Returns the shares of larger avalanches.
-fn survival(all: &[Avalanches]) -> Panel {
-    let curve = |(number, it): (usize, &Avalanches)| {
-        let mut sorted = it.sizes.clone();
-        sorted.sort_unstable();
-        let n = count(&sorted);
-        let larger = (0..sorted.len()).map(|k| 1.0 - count(&sorted[..=k]) / n);
-        let points = sorted
-            .iter()
-            .map(|size| f64::from(*size) / it.mean())
-            .zip(larger)
-            .filter(|(_, share)| *share > 0.0)
-            .collect();
-        Curve {
-            name: format!("D = {} d", it.width),
-            colour: colour(number + 1),
-            points,
-            has_line: true,
-            ..Curve::default()
-        }
-    };
-    let mut curves: Vec<_> = all.iter().enumerate().map(curve).collect();
-    let points = (0..=60).map(|n| 0.1 * f64::from(n)).map(|x| (x, f64::exp(-x))).filter(|(_, y)| *y > 2e-3).collect();
-    curves.push(Curve {
-        name: "exp(-x)".to_owned(),
-        colour: colour(0),
-        points,
-        has_line: true,
-        is_dashed: true,
-        ..Curve::default()
-    });
-    let y = Axis::logarithmic("share of larger avalanches", [2e-3, 1.0]);
-    Panel { curves, key: Key::LowerLeft, ..Panel::new("Sizes", Axis::linear("size / mean", 0.0, 6.0), y) }
-}
-
 fn against_width(means: &[(f64, f64)], [squared, diverging]: [Vec<(f64, f64)>; 2]) -> Panel {
     let fitted = |name: &str, number: usize, points: Vec<(f64, f64)>| Curve {
         name: if points.is_empty() { String::new() } else { name.to_owned() },
@@ -264,29 +161,6 @@ fn against_width(means: &[(f64, f64)], [squared, diverging]: [Vec<(f64, f64)>; 2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
-    use crate::studies::validation::verdict::Verdict;
-
-    /// Returns 200 avalanches of a width by a function of a uniform number.
-    fn avalanches(width: f64, of: impl Fn(f64) -> f64) -> Avalanches {
-        let stream = Stream::new(3, "sizes");
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a size of an avalanche")]
-        let sizes = (0..200).map(|counter| of(stream.uniform::<1>(counter)[0]) as u32 + 1).collect();
-        Avalanches { width, sizes, idle: 0 }
-    }
-
-    #[test]
-    fn exponential_sizes_pass_and_uniform_ones_miss() {
-        let misses = |of: fn(f64) -> f64| {
-            let mut judgement = Judgement::default();
-            rows(&avalanches(3.0, of), &mut judgement);
-            judgement.count(Verdict::Miss)
-        };
-        // Only the smallest third does not follow the law.
-        assert_eq!(misses(|u| 5.0 + -40.0 * (1.0 - u).ln()), 0);
-        // Chance and ratio of moments.
-        assert_eq!(misses(|u| 80.0 * u), 2);
-    }
 
     #[test]
     fn both_laws_recover_their_numbers() {

@@ -2,6 +2,7 @@
 
 mod anand_hopper;
 mod beverloo;
+mod capsule_packing;
 mod chung_ooi;
 mod chute;
 mod clogging;
@@ -9,16 +10,20 @@ mod dosta_drum;
 mod dosta_impact;
 mod dosta_silo;
 mod drainage;
+mod ellipses_hopper;
+mod ellipsoid_discharge;
 mod ellipsoid_packing;
 mod janssen;
 mod orifice_profiles;
+mod rice_clogging;
+mod two_shapes;
 
 use crate::studies::validation::Case;
 use siloflow_text::fault::Fault;
 use siloflow_text::suggestion::did_you_mean;
 
 /// All cases, in the order of the page.
-pub const CASES: [&Case; 12] = [
+pub const CASES: [&Case; 16] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,
@@ -27,10 +32,14 @@ pub const CASES: [&Case; 12] = [
     &drainage::CASE,
     &chute::CASE,
     &clogging::CASE,
+    &rice_clogging::CASE,
+    &ellipses_hopper::CASE,
     &beverloo::CASE,
     &janssen::CASE,
     &chung_ooi::CASE,
+    &ellipsoid_discharge::CASE,
     &ellipsoid_packing::CASE,
+    &capsule_packing::CASE,
 ];
 
 /// Returns the case of this name.
