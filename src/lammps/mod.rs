@@ -24,6 +24,7 @@ use crate::lammps::grains::Particles;
 use crate::lammps::quantities::all_grains;
 use crate::scene::TimeStep;
 use crate::scene::loaded::Loaded;
+use siloflow_dem::contact::config::Contact;
 use siloflow_dem::integrate::Integrator;
 use siloflow_dem::space::{Dimension, Solid};
 use siloflow_text::fault::Fault;
@@ -110,6 +111,10 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     let is_shaped = |grain: &GrainRow| grain.posture.is_some();
     if scene.space == Dimension::Plane && all_grains(loaded).any(|grain| is_shaped(&grain)) {
         return refuse("shapes", "shapes of the plane are not written", "export a scene in solid space, or with discs");
+    }
+    if matches!(scene.contact, Contact::Assignment { .. }) && all_grains(loaded).any(|grain| is_shaped(&grain)) {
+        let reason = "in LAMMPS the drag of this law turns bodies, in siloflow it acts at the centres of spheres";
+        return refuse("contact", reason, "export with a `Linear` law");
     }
     if quantities::released(loaded).iter().any(is_shaped) {
         return refuse("spawner.shape", "grains of several spheres that are released later are not written", start);

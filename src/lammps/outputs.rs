@@ -93,7 +93,7 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         let chosen: Vec<_> = walls.fixes.iter().filter(|(number, _)| is_door(*number) == doors).collect();
         text.push_str(&forces(name, every, &chosen));
     }
-    let frames = loaded.data_frames().map(|_| steps(loaded.even_frames(), dt));
+    let frames = loaded.even_frames().map(|interval| steps(interval, dt));
     if let Some(every) = frames {
         let spins = if loaded.scene.contact.spins() { " omegax omegay omegaz" } else { "" };
         let _ = writeln!(

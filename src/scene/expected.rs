@@ -23,7 +23,6 @@ use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::scene::view;
 use crate::writers::volume::Output;
-use siloflow_dem::math;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::values::Positive;
 use siloflow_figures::svg;
@@ -182,19 +181,15 @@ fn mean_shapes(loaded: &Loaded) -> f64 {
 /// Most bytes of the frames of a run to `until`, if the scene gives no interval of its own.
 const FREE_BYTES: f64 = 128.0e6;
 
-/// Least number of even parts of `until`.
-const FREE_FRAMES: f64 = 200.0;
-
-/// Numbers n of frames in each doubling of the time, and the finest interval that goes with each, as a share of an even part of `until`. The interval doubles
-/// from 25 parts of at least 200 on.
-const FREE_DOUBLINGS: [(u32, f64); 4] = [(100, 0.125), (50, 0.25), (25, 0.5), (12, 1.0)];
+/// Numbers n of frames in each doubling of the time, and the longest finest interval that goes with each, as a share of `until`.
+const FREE_DOUBLINGS: [(u32, f64); 4] = [(100, 1.0 / 1600.0), (50, 1.0 / 800.0), (25, 1.0 / 400.0), (12, 1.0 / 200.0)];
 
 impl Loaded {
     /// The frames of data and their times; `None` if the run keeps none.
     ///
-    /// Without `data_frames.interval` a scene with pictures has frames for a movie and the player wherever the run ends: up to 200 until an eighth or
-    /// twentieth of `until`, and up to 100 more with each doubling of the time. There are fewer if they need more than 128 MB, and at
-    /// least one for each picture.
+    /// Without `data_frames.interval` a scene with pictures has frames for a movie and the player wherever the run ends: some 200 until an eighth or
+    /// sixteenth of `until`, and some 100 more with each doubling of the time. There are fewer if they need more than 128 MB. Each
+    /// picture has a frame: intervals are halves, quarters and so on of that between pictures.
     #[must_use]
     pub fn data_frames(&self) -> Option<(&DataFrames, Times)> {
         let frames = self.scene.data_frames.as_ref()?;
@@ -203,34 +198,34 @@ impl Loaded {
         }
         let pictures = self.scene.pictures.as_ref()?.interval.get();
         let until = self.scene.until.get();
-        let part = nice_part(until);
         let bytes = frame_bytes(self, frames);
-        let growing = FREE_DOUBLINGS.map(|(n, share)| Times::growing(share * part, n, pictures));
-        let affordable = growing.into_iter().find(|times| bytes * times.count(until, MOST_COUNTED) <= FREE_BYTES);
-        Some((frames, affordable.filter(|times| times.finest < pictures).unwrap_or(Times::every(pictures))))
+        let dt = known_step(self).unwrap_or(0.0);
+        let growing = FREE_DOUBLINGS.map(|(n, share)| Times::growing(halved(pictures, share * until), n, pictures));
+        let affordable = |times: &Times| {
+            (dt..pictures).contains(&times.finest) && bytes * times.count(until, MOST_COUNTED) <= FREE_BYTES
+        };
+        Some((frames, growing.into_iter().find(affordable).unwrap_or(Times::every(pictures))))
     }
 
-    /// The interval of frames for a program that has one interval for a whole run, s: that of the scene, or an even part of `until`.
+    /// The interval of frames for a program that has one interval for a whole run, s: that of the scene, or a part of that between pictures of which
+    /// at least 200 fit into `until`.
     #[must_use]
-    pub fn even_frames(&self) -> f64 {
-        let own = self.scene.data_frames.as_ref().and_then(|frames| frames.interval).map(Positive::get);
-        own.unwrap_or_else(|| nice_part(self.scene.until.get()))
+    pub fn even_frames(&self) -> Option<f64> {
+        let frames = self.scene.data_frames.as_ref()?;
+        let pictures = || Some(self.scene.pictures.as_ref()?.interval.get());
+        let part = || Some(halved(pictures()?, self.scene.until.get() / 200.0));
+        frames.interval.map(Positive::get).or_else(part)
     }
+}
+
+/// Halves an interval until it is at most `most`.
+fn halved(interval: f64, most: f64) -> f64 {
+    // Rounding may not halve once more.
+    std::iter::successors(Some(interval), |it| Some(0.5 * it)).find(|it| *it <= most * (1.0 + 1e-9)).unwrap_or(interval)
 }
 
 /// Times beyond this number are not counted.
 const MOST_COUNTED: u64 = 1_000_000;
-
-/// Returns the largest number of the form 1, 2 or 5 times a power of ten of which at least [`FREE_FRAMES`] fit into a time.
-fn nice_part(time: f64) -> f64 {
-    let part = time / FREE_FRAMES;
-    let power = math::pow(10.0, math::log10(part).floor());
-    // Rounding may not leave out the part itself.
-    let most = part * (1.0 + 1e-9);
-    let nice = [5.0, 2.0, 1.0].map(|digit| digit * power).into_iter().find(|it| *it <= most).unwrap_or(power);
-    // The nearest number with few digits, 0.05 rather than 0.05000000000000001.
-    format!("{nice:.0e}").parse().unwrap_or(nice)
-}
 
 /// Returns the expected bytes of a frame.
 fn frame_bytes(loaded: &Loaded, frames: &DataFrames) -> f64 {
@@ -265,7 +260,7 @@ mod tests {
 
     fn loaded(spacing: f64, more: &str) -> Loaded {
         let text = format!(
-            "(contact: Linear(k: 1.0e4, damping: Restitution(0.5)), step: Fixed(1.0e-3), mass: Disc(100.0), walls: [], until: 30.0, \
+            "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.5)), step: Fixed(1.0e-3), mass: Disc(100.0), walls: [], until: 30.0, \
              fill: [(low: (0.0, 0.0), high: (1.0, 1.0), spacing: {spacing:?}, radius: Fixed(0.005))], {more})"
         );
         load::from_text("test.ron", "test", Path::new(""), text.clone(), &[])
@@ -279,9 +274,9 @@ mod tests {
     #[test]
     fn a_scene_without_an_interval_of_frames_has_some_for_a_movie_wherever_it_ends() {
         let usual = times("pictures: (interval: 0.5)");
-        // 30 s have 300 parts of 0.1 s. Up to 2.5 s there are 200 frames.
-        assert_eq!(usual, Times::growing(0.0125, 100, 0.5));
-        assert!((usual.count(2.5, 10_000) - 201.0).abs() < 1e-9);
+        // The largest of 0.5, 0.25, ... below 30/1600 s. Up to 3.1 s there are 200 frames.
+        assert_eq!(usual, Times::growing(0.5 / 32.0, 100, 0.5));
+        assert!((usual.count(3.125, 10_000) - 201.0).abs() < 1e-9);
         // A picture in every hundredth of a second has a frame.
         assert_eq!(times("pictures: (interval: 0.01)"), Times::every(0.01));
         assert_eq!(times("pictures: (interval: 0.5), data_frames: (interval: 2.0)"), Times::every(2.0));
@@ -293,7 +288,7 @@ mod tests {
         let loaded = loaded(0.02, "pictures: (interval: 0.5), data_frames: (format: [Vtk, ExtXyz, LammpsDump])");
         let (frames, times) = loaded.data_frames().unwrap();
         assert!(
-            times.finest > 0.0125 && frame_bytes(&loaded, frames) * times.count(30.0, 10_000) <= FREE_BYTES,
+            times.finest > 0.5 / 32.0 && frame_bytes(&loaded, frames) * times.count(30.0, 10_000) <= FREE_BYTES,
             "{times:?}"
         );
     }

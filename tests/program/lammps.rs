@@ -308,6 +308,11 @@ fn forces_and_torques_of_bodies_at_step_zero_are_equal_to_round_off() {
         let more = if contact.starts_with("Hertz") { MATERIAL } else { "" };
         let loaded = scene(here.path(), "Solid", contact, FLAT_SOLID, more, true, 1);
         let loaded = shaped(&loaded, here.path());
+        if contact.starts_with("Assignment") {
+            let fault = lammps::export(&loaded).unwrap_err();
+            assert!(fault.to_string().contains("turns bodies"), "{fault}");
+            continue;
+        }
         assert!(loaded.grains.iter().filter(|grain| grain.posture.is_some()).count() > 100);
         write(&loaded, here.path());
         assert_equal(

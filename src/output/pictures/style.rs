@@ -22,8 +22,10 @@ fn colouring(colour: &Colour) -> Colouring {
 #[must_use]
 pub fn style(loaded: &Loaded, pictures: &Pictures) -> Style {
     let scene = &loaded.scene;
-    let intervals =
-        [scene.pictures.as_ref().map(|own| own.interval.get()), loaded.data_frames().map(|(_, times)| times.finest)];
+    let intervals = [
+        scene.pictures.as_ref().map(|own| own.interval.get()),
+        loaded.scene.data_frames.as_ref().and_then(|frames| Some(frames.interval?.get())),
+    ];
     let interval = intervals.into_iter().flatten().fold(f64::INFINITY, f64::min);
     // Enough decimals to distinguish the times of successive pictures.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
