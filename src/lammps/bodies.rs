@@ -137,7 +137,8 @@ impl Bodies {
         if self.is_empty() {
             return String::new();
         }
-        let mut text = String::new();
+        // The temperature, which LAMMPS prints by default, needs more degrees of freedom than a few bodies have.
+        let mut text = String::from("thermo_style custom step atoms\n");
         let mut weight = "";
         if gravity != Solid::ZERO {
             let _ = writeln!(
