@@ -156,6 +156,33 @@ def share_of_ink(image):
     return share_of_difference(image, background)
 
 
+def point_at_a_grain(page):
+    """The numbers of a grain under the pointer, of one that is followed after a click, and else how to move the picture."""
+    words = page.locator(".sfp-grain")
+    check("Drag to" in words.inner_text(), "the player does not tell how to move the picture:", words.inner_text())
+    canvas = page.locator(".sfp canvas")
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    places = [(0.1 * i, 0.05 * j) for j in range(19, 0, -1) for i in range(3, 8)]
+    for x, y in places:
+        page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+        if words.inner_text().startswith("grain "):
+            break
+    seen = words.inner_text()
+    check(seen.startswith("grain ") and " m, " in seen and "radius" in seen, "no grain is under the pointer:", seen)
+    page.mouse.down()
+    page.mouse.up()
+    check("followed" in words.inner_text(), "a click does not follow a grain:", words.inner_text())
+    canvas.focus()
+    page.keyboard.press("ArrowLeft")
+    after = words.inner_text()
+    check(after.split(":")[0] == seen.split(":")[0] and after != seen, "the grain is not followed:", seen, after)
+    page.mouse.move(box["x"] + 0.01 * box["width"], box["y"] + 0.01 * box["height"])
+    page.mouse.down()
+    page.mouse.up()
+    check("Drag to" in words.inner_text(), "a click beside the grains does not let go:", words.inner_text())
+
+
 def use_player(view, is_solid):
     page = view.page
     check(0.03 < share_of_ink(view.picture()) < 0.97, view.file.name, "the picture is blank")
@@ -196,6 +223,7 @@ def use_player(view, is_solid):
     page.wait_for_timeout(700)
     check("s" in page.locator(".sfp-live").inner_text(), "the state is not announced")
 
+    point_at_a_grain(page)
     names = control(page, "Colour").locator("option").all_inner_texts()
     check({"species", "speed (m/s)", "age (s)", "coordination"} - set(names) <= ({"age (s)"} if is_solid else set()), names)
     current = control(page, "Colour").locator("option:checked").inner_text()

@@ -20,6 +20,7 @@ pub struct Mover<V: Space> {
 
 /// The cause of the motion of a [`Mover`].
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a scene has few movers")]
 pub enum Drive<V: Space> {
     /// Motions of the scene. Their shifts add up, and at most one of them turns.
     Motions(Vec<Motion>),

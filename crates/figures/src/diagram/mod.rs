@@ -250,7 +250,7 @@ mod tests {
     fn a_look_sets_the_size_of_panels_and_of_letters_and_a_title() {
         let look = Look { size: (260.0, 200.0), font: 6.5, title: Some("a < b".to_owned()) };
         let panel = Panel { curves: vec![curve(vec![(10.0, 10.0)])], ..Panel::new("", axis(), axis()) };
-        let svg = look.sheet(&[panel.clone()], 1);
+        let svg = look.sheet(std::slice::from_ref(&panel), 1);
         // Half of everything: the title takes 28 px of the drawing.
         assert!(svg.contains(r#"width="260" height="214" viewBox="0 0 520 428""#) && svg.contains("a &lt; b"), "{svg}");
         // Large letters leave a smaller drawing, whose plot ends 16 px before its edge.

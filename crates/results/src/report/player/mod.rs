@@ -67,6 +67,7 @@ pub const SCRIPT: &str = concat!(
     include_str!("script/pictures.js"),
     include_str!("script/form.js"),
     include_str!("script/moments.js"),
+    include_str!("script/pick.js"),
     include_str!("script/pointer.js"),
     include_str!("script/player.js"),
     "return siloflowPlayer;\n})();\n",

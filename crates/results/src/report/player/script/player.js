@@ -13,6 +13,7 @@ class Player {
     this.number = 0;
     this.isPlaying = false;
     this.listeners = [];
+    this.chosen = -1;
     const opening = Number(container.dataset.opening ?? NaN);
     this.colourings = run.is_pictures ? [] : colourings(run, opening);
     const duration = run.times[run.frames - 1] - run.times[0];
@@ -46,6 +47,7 @@ class Player {
     this.scrub = make("input", { type: "range", className: "sfp-scrub", min: 0, max: run.frames - 1, step: 1, value: 0, "aria-label": "Frame" });
     this.playButton = button("▶", "Play", () => this.toggle());
     this.facts = make("div", { className: "sfp-facts" });
+    this.grain = make("p", { className: "sfp-note sfp-grain", hidden: Boolean(run.is_pictures) });
     this.live = make("div", { className: "sfp-live", role: "status" });
     this.legendBox = make("div");
     this.scaleBar = make("div", { className: "sfp-scale", "aria-hidden": "true" });
@@ -67,6 +69,7 @@ class Player {
         this.buildSettings(isSolid),
         this.legendBox,
         this.scaleBar,
+        this.grain,
         make("p", { className: "sfp-note", textContent: noteOf(run) }),
       ]),
       this.live,
@@ -125,7 +128,19 @@ class Player {
       this.message.hidden = true;
       view.restore();
     });
-    listenToPointer(canvas, view, () => view.redraw());
+    listenToPointer(canvas, view, () => view.redraw(), (place, isClicked) => this.point(place, isClicked));
+    this.point(null, false);
+  }
+
+  /** Tells the numbers of the grain at a place, or of the one that was clicked; else how the picture is moved. */
+  point(place, isClicked) {
+    const { view, run } = this;
+    const row = place ? rowAt(view, ...place) : -1;
+    if (isClicked) this.chosen = row < 0 ? -1 : expand(view.frame.runs, view.frame.rows, run.particles)[row];
+    const shown = row < 0 && this.chosen >= 0 ? rowOf(view.frame, run, this.chosen) : row;
+    const isGone = shown < 0 && this.chosen >= 0;
+    const hint = `${view.isSolid ? "Drag to turn, with shift to move" : "Drag to move"}; after a click the wheel zooms. Point at a grain for its numbers, click to follow it. ${KEYS}.`;
+    this.grain.textContent = shown >= 0 ? `${factsOf(view, this.colourings, shown)}${row < 0 || isClicked ? " (followed)" : ""}` : isGone ? "The grain that you follow is not in this frame." : hint;
   }
 
   /** Shows a message over the picture. */
@@ -171,6 +186,7 @@ class Player {
     const [released, inside, out, lost] = run.counts.subarray(4 * this.number, 4 * this.number + 4);
     const counts = [["released", released], ["inside", inside], ["out", out], ["lost", lost], ["outside of the picture", frame.leftOut]];
     const shown = counts.filter(([name, count]) => count || !["lost", "outside of the picture"].includes(name));
+    if (this.chosen >= 0) this.point(null, false);
     this.facts.replaceChildren(make("b", { textContent: momentOf(run, this.number) }), ` ${shown.map(([name, count]) => `${count} ${name}`).join(" · ")}`);
   }
 

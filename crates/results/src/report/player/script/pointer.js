@@ -1,16 +1,30 @@
-// The pointer moves, turns and zooms the view.
+// The pointer moves, turns and zooms the view, and points at grains.
 
-/** Drags and the wheel: they move the plane, and turn solid space. The wheel zooms if the picture has the focus. */
-function listenToPointer(canvas, view, redraw) {
+/**
+ * Drags and the wheel: they move the plane, and turn solid space. The wheel zooms if the picture has the focus. `point` is called with the place
+ * under the pointer, in parts of the half height from the middle, and whether it was clicked; with null when the pointer leaves.
+ */
+function listenToPointer(canvas, view, redraw, point = () => {}) {
   const { camera } = view;
   let last = null;
+  let way = 0;
+  const placeOf = (event) => {
+    const box = canvas.getBoundingClientRect();
+    const half = box.height / 2;
+    return [(event.clientX - box.left - box.width / 2) / half, (half - event.clientY + box.top) / half];
+  };
+  canvas.addEventListener("click", (event) => way < 4 && point(placeOf(event), true));
+  canvas.addEventListener("pointerleave", () => point(null, false));
   canvas.addEventListener("pointerdown", (event) => {
     last = event;
+    way = 0;
     canvas.setPointerCapture(event.pointerId);
   });
   canvas.addEventListener("pointermove", (event) => {
+    if (!last) point(placeOf(event), false);
     if (!last || event.pointerId !== last.pointerId) return;
     const [x, y] = [event.clientX - last.clientX, event.clientY - last.clientY];
+    way += Math.abs(x) + Math.abs(y);
     last = event;
     const isTurn = view.isSolid && !event.shiftKey && !(event.buttons & 2);
     if (isTurn) camera.turnTo(camera.turn - 0.4 * x, camera.tilt + 0.4 * y);
@@ -22,9 +36,7 @@ function listenToPointer(canvas, view, redraw) {
   canvas.addEventListener("wheel", (event) => {
     if (document.activeElement !== canvas && !event.ctrlKey) return;
     event.preventDefault();
-    const box = canvas.getBoundingClientRect();
-    const half = box.height / 2;
-    camera.zoomBy(Math.exp(-0.0015 * event.deltaY), (event.clientX - box.left - box.width / 2) / half, (half - event.clientY + box.top) / half);
+    camera.zoomBy(Math.exp(-0.0015 * event.deltaY), ...placeOf(event));
     redraw();
   }, { passive: false });
 }
