@@ -179,7 +179,7 @@ fn mean_shapes(loaded: &Loaded) -> f64 {
 }
 
 /// Most bytes of the frames of a run to `until`, if the scene gives no interval of its own.
-const FREE_BYTES: f64 = 128.0e6;
+const FREE_BYTES: f64 = 150.0e6;
 
 /// Numbers n of frames in each doubling of the time, and the longest finest interval that goes with each, as a share of `until`.
 const FREE_DOUBLINGS: [(u32, f64); 4] = [(100, 1.0 / 1600.0), (50, 1.0 / 800.0), (25, 1.0 / 400.0), (12, 1.0 / 200.0)];
@@ -188,7 +188,7 @@ impl Loaded {
     /// The frames of data and their times; `None` if the run keeps none.
     ///
     /// Without `data_frames.interval` a scene with pictures has frames for a movie and the player wherever the run ends: some 200 until an eighth or
-    /// sixteenth of `until`, and some 100 more with each doubling of the time. There are fewer if they need more than 128 MB. Each
+    /// sixteenth of `until`, and some 100 more with each doubling of the time. There are fewer if they need more than 150 MB. Each
     /// picture has a frame: intervals are halves, quarters and so on of that between pictures.
     #[must_use]
     pub fn data_frames(&self) -> Option<(&DataFrames, Times)> {
