@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn frames_that_no_scene_asks_for_are_few_if_they_are_large() {
-        let loaded = loaded(0.02, "pictures: (interval: 0.5), data_frames: (format: [Vtk, ExtXyz, LammpsDump])");
+        let loaded = loaded(0.03, "pictures: (interval: 0.5), data_frames: (format: [Vtk, ExtXyz, LammpsDump])");
         let (frames, times) = loaded.data_frames().unwrap();
         assert!(
             times.finest > 0.5 / 32.0 && frame_bytes(&loaded, frames) * times.count(30.0, 10_000) <= FREE_BYTES,

@@ -166,20 +166,25 @@ def point_at_a_grain(page):
     places = [(0.1 * i, 0.05 * j) for j in range(19, 0, -1) for i in range(3, 8)]
     for x, y in places:
         page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+        # A browser may handle a move at its next picture.
+        page.wait_for_timeout(100)
         if words.inner_text().startswith("grain "):
             break
+    page.wait_for_timeout(300)
     seen = words.inner_text()
     check(seen.startswith("grain ") and " m, " in seen and "radius" in seen, "no grain is under the pointer:", seen)
     page.mouse.down()
     page.mouse.up()
+    page.wait_for_timeout(200)
     check("followed" in words.inner_text(), "a click does not follow a grain:", words.inner_text())
     canvas.focus()
     page.keyboard.press("ArrowLeft")
     after = words.inner_text()
     check(after.split(":")[0] == seen.split(":")[0] and after != seen, "the grain is not followed:", seen, after)
-    page.mouse.move(box["x"] + 0.01 * box["width"], box["y"] + 0.01 * box["height"])
+    page.mouse.move(box["x"] + 0.02 * box["width"], box["y"] + 0.98 * box["height"])
     page.mouse.down()
     page.mouse.up()
+    page.wait_for_timeout(200)
     check("Drag to" in words.inner_text(), "a click beside the grains does not let go:", words.inner_text())
 
 
