@@ -13,10 +13,13 @@ function listenToPointer(canvas, view, redraw, point = () => {}) {
     const half = box.height / 2;
     return [(event.clientX - box.left - box.width / 2) / half, (half - event.clientY + box.top) / half];
   };
-  canvas.addEventListener("click", (event) => way < 4 && point(placeOf(event), true));
+  // The page may scroll to the picture between the press, which focuses it, and the click.
+  let pressed = null;
+  canvas.addEventListener("click", () => pressed && way < 4 && point(pressed, true));
   canvas.addEventListener("pointerleave", () => point(null, false));
   canvas.addEventListener("pointerdown", (event) => {
     last = event;
+    pressed = placeOf(event);
     way = 0;
     canvas.setPointerCapture(event.pointerId);
   });
