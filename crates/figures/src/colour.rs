@@ -3,9 +3,11 @@
 /// A colour as red, green and blue, each from 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// Colour of walls and wall grains.
+/// Colour of walls of the plane, and of wall grains.
 pub const WALL: Rgb = [0xd0, 0x2b, 0x2b];
-/// Colour of door grains.
+/// Colour of wall surfaces of solid space, which are translucent.
+pub const SURFACE: Rgb = [0x6b, 0x77, 0x85];
+/// Colour of doors and door grains.
 pub const DOOR: Rgb = [0x1f, 0x9d, 0x3a];
 
 /// Colours of species, distinguishable with colour blindness (Okabe and Ito, without red and green).

@@ -25,8 +25,9 @@ pub(super) struct Surfaces {
     pub front: Vec<Patch>,
 }
 
-fn colour_of(wall: &WallGeometry) -> Rgb {
-    if wall.is_door { colour::DOOR } else { colour::WALL }
+/// The colour of a wall: `usual`, unless it is a door.
+fn colour_of(wall: &WallGeometry, usual: Rgb) -> Rgb {
+    if wall.is_door { colour::DOOR } else { usual }
 }
 
 /// Returns the walls of a plane as lines. A line without ends goes through the whole view.
@@ -44,7 +45,7 @@ pub(super) fn lines(walls: &[&WallGeometry], style: &Style) -> Vec<(DVec2, DVec2
                 let foot = from + (middle - from).dot(along) * along;
                 (from, to) = (foot - reach * along, foot + reach * along);
             }
-            lines.push((from, to, colour_of(wall)));
+            lines.push((from, to, colour_of(wall, colour::WALL)));
         }
     }
     lines
@@ -62,7 +63,7 @@ pub(super) fn surfaces(header: &Header, walls: &[&WallGeometry], style: &Style, 
         let edges = edges(&faces, style.camera.depth, size);
         let is_drawn = faces.len() <= MOST_FACES;
         for (is_front, patches) in [(false, &mut surfaces.behind), (true, &mut surfaces.front)] {
-            let patch = patch_of(patches, colour_of(wall), OPACITY[usize::from(is_front)]);
+            let patch = patch_of(patches, colour_of(wall, colour::SURFACE), OPACITY[usize::from(is_front)]);
             let shown = faces.iter().filter(|face| is_drawn && face.is_front == is_front);
             let on_paper = |face: &Face| face.corners.iter().map(|&corner| style.camera.on_paper(corner)).collect();
             patch.polygons.extend(shown.map(on_paper).map(anticlockwise));

@@ -17,8 +17,10 @@ pub(super) struct Description<'a> {
     dimension: u8,
     /// Name and colour of each species.
     species: Vec<(&'a str, String)>,
-    /// Colours of wall grains and walls, and of doors.
+    /// Colours of wall grains and walls of the plane, and of doors.
     wall_colours: [String; 2],
+    /// Colours of walls of solid space, and of doors.
+    surface_colours: [String; 2],
     /// Colours of the levels: of magnitudes, and of differences from a middle.
     palettes: [String; 2],
     periodic: [Option<(f64, f64)>; 3],
@@ -89,6 +91,7 @@ impl<'a> Description<'a> {
             dimension: header.dimension,
             species: header.species.iter().map(|(name, colour)| (&**name, colour::hex(*colour))).collect(),
             wall_colours: [colour::WALL, colour::DOOR].map(colour::hex),
+            surface_colours: [colour::SURFACE, colour::DOOR].map(colour::hex),
             palettes: [palette(colour::viridis), palette(blue_red)],
             periodic: header.periodic,
             domain: header.domain,

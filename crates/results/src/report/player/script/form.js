@@ -58,8 +58,9 @@ function legend(colouring, run, shown) {
   const kinds = new Set(run.kinds);
   if (kinds.has(1)) swatch(run.wall_colours[0], "wall grains");
   if (kinds.has(2)) swatch(run.wall_colours[1], "door grains");
-  if (shown.walls && run.doors.includes(false)) swatch(run.wall_colours[0], "walls", "line");
-  if (shown.walls && run.doors.includes(true)) swatch(run.wall_colours[1], "doors", "line");
+  const surfaces = run.dimension === 3 ? run.surface_colours : run.wall_colours;
+  if (shown.walls && run.doors.includes(false)) swatch(surfaces[0], "walls", "line");
+  if (shown.walls && run.doors.includes(true)) swatch(surfaces[1], "doors", "line");
   if (shown.bonds) {
     const width = `normal force, widest from ${shortNumber(run.forces.high)} N`;
     swatch("var(--ink)", width, "line");

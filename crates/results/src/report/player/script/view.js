@@ -100,7 +100,7 @@ class View {
     const { run, shown, isSolid, box } = this;
     const style = getComputedStyle(this.canvas);
     const ink = [...cssColour(style.color), 1];
-    const colours = run.wall_colours.map((text) => [...fromHex(text.slice(1)).map((byte) => byte / 255), 1]);
+    const colours = (isSolid ? run.surface_colours : run.wall_colours).map((text) => [...fromHex(text.slice(1)).map((byte) => byte / 255), 1]);
     const withAlpha = (alpha) => colours.map(([r, g, b]) => [r, g, b, alpha]);
     const sliding = [...fromHex(SLIDING.slice(1)).map((byte) => byte / 255), 1];
     // Points of walls are rounded, so the box in which half-spaces are drawn is a little larger.
