@@ -6,6 +6,7 @@
 //!
 //! * every contact law, in the plane and in solid space, with one species and with three;
 //! * walls of every kind, periodic sides, and grains that enter and are removed;
+//! * a floor that forces move;
 //! * grains of several spheres, bodies of revolution and others ([`shaped`]);
 //! * each scheme, neighbour search and instruction set, one and two threads, with the energy balance and without.
 //!
@@ -18,6 +19,7 @@ mod scene_text;
 mod shaped;
 
 use siloflow::dem::instruction_set::InstructionSet;
+use siloflow_oracle::free_wall::FreeWall;
 use siloflow_oracle::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
 use siloflow_oracle::simulator::Scheme;
 
@@ -104,6 +106,30 @@ fn assert_same_with_shapes(first: usize, law: Law) {
                     scene.title()
                 );
             }
+        }
+    }
+}
+
+/// Compares beds on a floor that forces move, with this law. A change of each number of the floor must be detected.
+fn assert_same_on_a_free_floor(first: usize, law: Law) {
+    let mut options = (first..).map(RunOptions::of);
+    for (solid, scheme) in
+        [(false, Scheme::Verlet), (false, Scheme::Centred), (true, Scheme::Verlet), (true, Scheme::Centred)]
+    {
+        let scene = Scene::new(law, solid, Surroundings::Walls, scheme, small(solid)).with_free_floor();
+        let seen = assert_agree(&scene, options.next().unwrap());
+        let changes: [fn(&mut FreeWall) -> &mut f64; 5] = [
+            |free| &mut free.mass,
+            |free| &mut free.load,
+            |free| &mut free.stiffness,
+            |free| &mut free.damping,
+            |free| &mut free.rate,
+        ];
+        for change in changes {
+            let mut other = scene.clone();
+            *change(other.walls[0].free.as_mut().unwrap()) *= 1.0 + 100.0 * RELATIVE_CHANGE;
+            let found = differences(&other.simulator(), &seen);
+            assert!(found[SAMPLE_STEPS.len() - 1] > 5.0, "{}: a change of the wall is not detected", scene.title());
         }
     }
 }
@@ -231,6 +257,14 @@ fn twisting_resistance_agrees() {
     assert_same(30, Law { twisting: twisting(Damping::B(1.0)), ..linear });
     let hertz = Law { adhesion: Some(Adhesion::Dmt(40.0)), ..hertz(0.6, false, Some(0.3), None, true) };
     assert_same(31, Law { twisting: twisting(Damping::PerMass(30.0)), ..hertz });
+}
+
+#[test]
+fn walls_that_forces_move_agree() {
+    let rough =
+        with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling(Damping::B(2.0)), true);
+    assert_same_on_a_free_floor(37, rough);
+    assert_same_on_a_free_floor(38, hertz(0.6, true, Some(0.3), None, false));
 }
 
 #[test]

@@ -15,6 +15,7 @@
 
 pub mod centred;
 pub mod clump;
+pub mod free_wall;
 pub mod law;
 pub mod plain;
 pub mod simulator;

@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 use crate::centred::{VelocityPrediction, centred, start};
 use crate::clump::Clump;
+use crate::free_wall::FreeWall;
 use crate::law::{Reduced, Terms};
 use crate::plain::{Action, Memory, PairState, Times, plain};
 use crate::vector::V;
@@ -84,6 +85,10 @@ pub enum Shape {
 pub struct Wall {
     pub shape: Shape,
     pub species: usize,
+    /// For a half-space that forces move.
+    pub free: Option<FreeWall>,
+    /// Force of the grains, N.
+    pub load: V,
 }
 
 #[derive(Clone, Debug)]
@@ -124,6 +129,20 @@ impl Shape {
             }
         };
         ((x - foot).length(), (x - foot).unit(), V::default())
+    }
+}
+
+impl Wall {
+    fn drift(&mut self, dt: f64, is_centred: bool) {
+        if let (Some(free), Shape::Half { point, velocity, .. }) = (&mut self.free, &mut self.shape) {
+            [*point, *velocity] = free.drift(dt, is_centred);
+        }
+    }
+
+    fn kick(&mut self, gravity: V, dt: f64) {
+        if let Some(free) = &mut self.free {
+            free.kick(self.load, gravity, dt);
+        }
     }
 }
 
@@ -184,7 +203,14 @@ impl Simulator {
             clump.place_spheres(&mut self.bodies);
             self.bodies[clump.centre].spin = clump.spin();
         }
+        for wall in &mut self.walls {
+            if let (Some(free), Shape::Half { velocity, .. }) = (wall.free, &mut wall.shape) {
+                *velocity = free.along * free.rate;
+            }
+        }
         self.evaluate(0.0);
+        let gravity = self.gravity;
+        self.walls.iter_mut().for_each(|wall| wall.kick(gravity, 0.0));
         self.remove();
     }
 
@@ -218,12 +244,16 @@ impl Simulator {
                 }
             }
         }
+        let is_centred = self.scheme == Scheme::Centred;
+        self.walls.iter_mut().for_each(|wall| wall.drift(dt, is_centred));
         let shares = (self.scheme == Scheme::Centred).then_some(self.prediction);
         for clump in &mut self.clumps {
             clump.momentum += self.bodies[clump.centre].torque * kick;
             clump.drift(&mut self.bodies, dt, shares);
         }
         self.evaluate(dt);
+        let gravity = self.gravity;
+        self.walls.iter_mut().for_each(|wall| wall.kick(gravity, dt));
         if verlet {
             self.bodies.iter_mut().for_each(|body| body.kick(kick));
             for clump in &mut self.clumps {
@@ -256,6 +286,7 @@ impl Simulator {
             let weight = if body.is_sphere_of_clump() { V::default() } else { self.gravity * body.mass };
             (body.force, body.torque, body.contacts) = (weight, V::default(), 0);
         }
+        self.walls.iter_mut().for_each(|wall| wall.load = V::default());
         let mut remembered = std::mem::take(&mut self.memories);
         let all: Vec<usize> = (0..former.len()).filter(|&i| !former[i].is_gone && former[i].is_solid()).collect();
         for (rank, &i) in all.iter().enumerate() {
@@ -320,7 +351,9 @@ impl Simulator {
         let Some(action) = action else { return };
         self.memories.insert(pair, memory);
         for (side, number) in pair.into_iter().enumerate() {
-            if let Some(body) = self.bodies.get_mut(number) {
+            if let Some(wall) = self.walls.get_mut(usize::MAX - number) {
+                wall.load += -action.force;
+            } else if let Some(body) = self.bodies.get_mut(number) {
                 body.force += if side == 0 { action.force } else { -action.force };
                 body.torque += action.torques[side];
                 body.contacts += 1;

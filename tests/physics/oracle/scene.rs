@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use siloflow_oracle::clump::Clump;
+use siloflow_oracle::free_wall::FreeWall;
 use siloflow_oracle::law::{Law, Material, Terms};
 use siloflow_oracle::simulator::{Body, FLAT, Scheme, Shape, Simulator, Wall};
 use siloflow_oracle::vector::V;
@@ -118,6 +119,26 @@ impl Scene {
         scene
     }
 
+    /// Lets forces move the floor up and down.
+    pub fn with_free_floor(mut self) -> Self {
+        let up = self.up();
+        let floor = &mut self.walls[0];
+        let Shape::Half { point, normal, .. } = floor.shape else { panic!("the floor is a half-space") };
+        assert!(normal.0[up] == 1.0, "the floor is level");
+        floor.free = Some(FreeWall {
+            along: normal,
+            home: point,
+            mass: 6.0,
+            load: 150.0,
+            stiffness: 3.0e4,
+            damping: 40.0,
+            place: 0.0,
+            rate: 0.3,
+            acceleration: 0.0,
+        });
+        self
+    }
+
     /// Gives every third grain a shape.
     pub fn with_shapes(mut self) -> Self {
         let mut random = Random(7);
@@ -207,7 +228,7 @@ impl Scene {
             v
         };
         let species = self.materials.len() - 1;
-        let mut add = |shape: Shape| self.walls.push(Wall { shape, species });
+        let mut add = |shape: Shape| self.walls.push(Wall { shape, species, free: None, load: V::default() });
         let floor = |velocity: V| Shape::Half { point: towards(up, LOW), normal: towards(up, 1.0), velocity };
         match self.around {
             Surroundings::Nothing | Surroundings::Hole => {}

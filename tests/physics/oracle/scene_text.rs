@@ -20,10 +20,14 @@ impl Scene {
         let species = wall.species;
         match wall.shape {
             Shape::Half { point, normal, velocity } => format!(
-                "HalfPlane(point: {}, normal: {}, velocity: {}, species: {species})",
+                "HalfPlane(point: {}, normal: {}, species: {species}{})",
                 text(point),
                 text(normal * 3.0),
-                text(velocity)
+                if wall.free.is_some() {
+                    ", name: \"floor\"".to_owned()
+                } else {
+                    format!(", velocity: {}", text(velocity))
+                }
             ),
             Shape::Segment { from, to } => {
                 format!("Segment(from: {}, to: {}, species: {species})", text(from), text(to))
@@ -73,9 +77,22 @@ impl Scene {
             Some(_) if self.inertia_factor() > 0.45 => "inertia: Disc, ",
             Some(_) => "inertia: Sphere, ",
         };
+        let free = self.walls.iter().filter_map(|wall| wall.free).map(|free| {
+            format!(
+                "free_walls: [(walls: \"floor\", moves: Along({}), mass: {:?}, load: {:?}, spring: (stiffness: {:?}), damping: {:?}, \
+                 rate: {:?}, stops: (-1.0, 1.0))], ",
+                (free.along * 2.0).ron(self.solid),
+                free.mass,
+                free.load,
+                free.stiffness,
+                free.damping,
+                free.rate
+            )
+        });
+        let free: String = free.collect();
         let shapes = if self.has_shapes { format!("shapes: {}, ", shaped::text(self.solid)) } else { String::new() };
         format!(
-            "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {shapes}{inertia}{cull}{spawner}integrator: {:?}, \
+            "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {shapes}{free}{inertia}{cull}{spawner}integrator: {:?}, \
              step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_balance: {energy_balance}, watchdog: None, on_loss: Continue, \
              until: 1.0e3, pictures: None)",
             if self.solid { "Solid" } else { "Plane" },
