@@ -216,7 +216,8 @@ fn explain_tells_what_a_shape_is() {
     {
         assert!(said.contains(word), "{word}: {said}");
     }
-    let spawner = "spawner: (point: (0.0, 0.0, 0.1), velocity: (0.0, 0.0, -1.0), interval: 0.1, count: 2, shape: \"rice\")";
+    let spawner =
+        "spawner: (point: (0.0, 0.0, 0.1), velocity: (0.0, 0.0, -1.0), interval: 0.1, count: 2, shape: \"rice\")";
     fs::write(here.path().join("later.ron"), solid(&format!("until: 0.1, {spawner}"))).unwrap();
     let refused = siloflow(here.path(), &["export", "later.ron", "--to", "lammps"]);
     assert!(!refused.status.success() && text(&refused.stderr).contains("released later"), "{}", text(&refused.stderr));
