@@ -255,7 +255,8 @@ mod tests {
         assert!(svg.contains(r#"width="260" height="214" viewBox="0 0 520 428""#) && svg.contains("a &lt; b"), "{svg}");
         // Large letters leave a smaller drawing, whose plot ends 16 px before its edge.
         let svg = Look { font: 26.0, ..Look::default() }.sheet(&[panel], 1);
-        assert!(svg.contains(r#"width="520" height="400" viewBox="0 0 260 200""#) && svg.contains(r#"H244""#), "{svg}");
+        assert!(svg.contains(r#"width="520" height="400" viewBox="0 0 260 200""#), "{svg}");
+        assert!(svg.contains(r#"x="72" y="44" width="172" height="100""#), "{svg}");
     }
 
     #[test]
