@@ -35,6 +35,8 @@ pub(super) struct Bodies {
     pub spheres: Vec<SphereAtom>,
     /// Content of the file of bodies.
     pub file: String,
+    /// Number of bodies.
+    count: usize,
     /// Radius of the smallest sphere about the centre that holds any body, m.
     reach: f64,
 }
@@ -46,14 +48,13 @@ impl Bodies {
         let mut bodies = Self::default();
         let mut next = next;
         let mut rows = String::new();
-        let mut count = 0;
         for grain in &loaded.grains {
             let Some(posture) = grain.posture else { continue };
             let Some(shape) = shapes.get(posture.shape.index()) else { continue };
             bodies.reach = bodies.reach.max(posture.reach);
             let inertia = Inertia::of(grain, shape);
             rows += &inertia.row(grain);
-            count += 1;
+            bodies.count += 1;
             let spheres = loaded.shapes.spheres_of::<Solid>(&posture, grain.radius);
             let central = (0..spheres.len()).min_by(|&a, &b| {
                 let [a, b] = [a, b].map(|number| spheres[number].0.length_squared());
@@ -75,7 +76,7 @@ impl Bodies {
                 });
             }
         }
-        bodies.file = format!("{count}\n{rows}");
+        bodies.file = format!("{}\n{rows}", bodies.count);
         bodies
     }
 
@@ -84,8 +85,8 @@ impl Bodies {
     }
 
     /// Number of spheres whose ids come behind those of grains and fixed atoms.
-    pub(super) fn behind(&self, loaded: &Loaded) -> usize {
-        self.spheres.len() - loaded.grains.iter().filter(|grain| grain.posture.is_some()).count()
+    pub(super) fn behind(&self) -> usize {
+        self.spheres.len() - self.count
     }
 
     /// The group whose atoms are the grains, for counts and sums.

@@ -36,8 +36,6 @@ pub(super) struct Particles {
     high: Solid,
     types: usize,
     pub(super) bodies: Bodies,
-    /// Number of spheres of bodies with ids behind all others.
-    spheres_behind: usize,
 }
 
 impl Particles {
@@ -69,8 +67,7 @@ impl Particles {
         let types = loaded.largest_species() + 1;
         let first_fixed = loaded.first_free_id();
         let bodies = Bodies::of(loaded, first_fixed as usize + fixed.len());
-        let spheres_behind = bodies.behind(loaded);
-        Self { fixed, doors, first_fixed, low, high, types, bodies, spheres_behind }
+        Self { fixed, doors, first_fixed, low, high, types, bodies }
     }
 
     /// Whether the silo file has a door.
@@ -221,7 +218,7 @@ impl Particles {
 
     /// The id that the next atom gets in LAMMPS.
     pub(super) fn next_id(&self) -> usize {
-        self.first_fixed as usize + self.fixed.len() + self.spheres_behind
+        self.first_fixed as usize + self.fixed.len() + self.bodies.behind()
     }
 }
 

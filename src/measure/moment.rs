@@ -22,9 +22,9 @@ use siloflow_dem::values::{NonNegative, Share};
 pub enum Moment {
     /// At a time, s.
     At(NonNegative),
-    /// This time after the first door began to open, s.
+    /// A time after the first door began to open, s.
     AfterDoor(NonNegative),
-    /// This time after the bed came to rest, s.
+    /// A time after the bed came to rest, s.
     AfterRest(NonNegative),
     /// When this share of the grains that enter are out.
     Out(Share),

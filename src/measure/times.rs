@@ -23,6 +23,9 @@ struct Growth {
 }
 
 impl Times {
+    /// A number of times that is more than any run should have; more are not counted.
+    pub const MOST_COUNTED: u64 = 1_000_000;
+
     /// An interval that stays, s.
     #[must_use]
     pub fn every(interval: f64) -> Self {
@@ -66,6 +69,12 @@ impl Times {
             count += 1;
         }
         count as f64
+    }
+
+    /// Returns the mean interval up to `until`, s.
+    #[must_use]
+    pub fn mean_interval(&self, until: f64) -> f64 {
+        if self.growth.is_none() { self.finest } else { until / self.count(until, Self::MOST_COUNTED) }
     }
 
     /// The interval in words: `0.1 s`, or `0.1 s at first`.

@@ -12,7 +12,6 @@ import io
 import os
 import pathlib
 import re
-import shutil
 import statistics
 import subprocess
 import sys
@@ -20,8 +19,8 @@ import tempfile
 
 from PIL import Image, ImageChops
 from playwright.sync_api import sync_playwright
+from window import ROOT, Window, check, executable
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIZES = {"wide": (1280, 900), "narrow": (400, 800)}
 # WebGL without a graphics card.
 SOFTWARE = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -70,11 +69,6 @@ NAMELESS = """() => [...document.querySelectorAll(".sfp input, .sfp select, .sfp
   .map((control) => control.outerHTML)"""
 
 
-def check(condition, *words):
-    if not condition:
-        raise SystemExit(" ".join(str(word) for word in ("browser:", *words)))
-
-
 def siloflow(program, *arguments):
     done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False, cwd=ROOT)
     check(done.returncode == 0, *arguments, done.stderr)
@@ -98,27 +92,13 @@ def reports(program, directory):
     return files
 
 
-class Page:
+class Page(Window):
     """A report in a window."""
 
     def __init__(self, browser, file, size, **settings):
-        self.context = browser.new_context(viewport={"width": size[0], "height": size[1]}, **settings)
-        # A report needs no network.
-        self.context.set_offline(True)
-        self.page = self.context.new_page()
-        self.problems, self.requests = [], []
-        self.page.on("console", lambda message: message.type == "error" and self.problems.append(message.text))
-        self.page.on("pageerror", lambda error: self.problems.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(file.as_uri())
+        super().__init__(browser, file.name, file.as_uri(), size, **settings)
         self.page.wait_for_selector(".sfp, .sfp-message", timeout=60_000)
         self.file = file
-
-    def close(self):
-        check(not self.problems, self.file.name, *self.problems)
-        other = [url for url in self.requests if not url.startswith(("file:", "data:", "blob:"))]
-        check(not other, self.file.name, "asks for", *other)
-        self.context.close()
 
     def picture(self):
         """What the canvas shows, without its border."""
@@ -335,12 +315,6 @@ def measure(browser, file):
     load = os.getloadavg()[0]
     print(f"{file.stem}: {GRAINS} grains, {middle:.1f} ms per frame (median of {len(times)}; slowest {max(times):.1f} ms; load {load:.1f})")
     return middle
-
-
-def executable():
-    found = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    check(found, "there is no chromium")
-    return found
 
 
 def main(program, directory):

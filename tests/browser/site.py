@@ -11,8 +11,8 @@ import pathlib
 import sys
 import tempfile
 
-from browser import ROOT, check, executable
 from playwright.sync_api import sync_playwright
+from window import ROOT, Window, check, executable
 
 SITE = ROOT / "target" / "site"
 SIZES = {"wide": (1280, 900), "narrow": (390, 844)}
@@ -28,30 +28,14 @@ PAGES = {
 SEARCHES = {"Janssen": "docs/validation/janssen.html", "release_timeout": "docs/reference/scene-file.html"}
 
 
-class Window:
-    """A page in a window without a network."""
-
-    def __init__(self, browser, page, size, scheme="light"):
-        self.context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
-        self.context.set_offline(True)
-        self.page = self.context.new_page()
-        self.problems, self.requests = [], []
-        self.page.on("console", lambda message: message.type == "error" and self.problems.append(message.text))
-        self.page.on("pageerror", lambda error: self.problems.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(f"{SITE.as_uri()}/{page}")
-        self.name = page
-
-    def close(self):
-        check(not self.problems, self.name, *self.problems)
-        other = [url for url in self.requests if not url.startswith(("file:", "data:", "blob:"))]
-        check(not other, self.name, "asks for", *other)
-        self.context.close()
+def opened(browser, page, size, scheme="light"):
+    """A page of the site in a window."""
+    return Window(browser, page, f"{SITE.as_uri()}/{page}", size, color_scheme=scheme)
 
 
 def search(browser, word, wanted, picture):
     """A search from the first page finds a page, and its link opens it."""
-    window = Window(browser, "index.html", SIZES["wide"])
+    window = opened(browser, "index.html", SIZES["wide"])
     page = window.page
     page.keyboard.press("s")
     page.locator("#mdbook-searchbar").press_sequentially(word)
@@ -73,7 +57,7 @@ def main(directory):
         for name, page in PAGES.items():
             for size_name, size in SIZES.items():
                 for scheme in ("light", "dark"):
-                    window = Window(browser, page, size, scheme)
+                    window = opened(browser, page, size, scheme)
                     width = window.page.evaluate("document.documentElement.scrollWidth")
                     check(width <= size[0], page, size_name, "is wider than the window:", width)
                     check(window.page.evaluate("[...document.images].every((image) => image.naturalWidth > 0)"), page, "misses a picture")

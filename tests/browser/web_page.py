@@ -16,9 +16,10 @@ import sys
 import tempfile
 import time
 
-from browser import SOFTWARE, check, executable, share_of_ink, siloflow
+from browser import SOFTWARE, share_of_ink, siloflow
 from PIL import Image
 from playwright.sync_api import sync_playwright
+from window import Window, check, executable
 
 SIZES = {"wide": (1280, 900), "narrow": (390, 844)}
 GRAINS = 2000
@@ -35,25 +36,11 @@ WANTED_MS = 100.0
 OF_MACHINE = {"performance", "provenance", "files"}
 
 
-class Page:
+class Page(Window):
     """The page in a window."""
 
     def __init__(self, browser, address, size=SIZES["wide"], **settings):
-        self.context = browser.new_context(viewport={"width": size[0], "height": size[1]}, accept_downloads=True, **settings)
-        self.context.set_offline(True)
-        self.page = self.context.new_page()
-        self.problems, self.requests = [], []
-        self.page.on("console", lambda message: message.type == "error" and self.problems.append(message.text))
-        self.page.on("pageerror", lambda error: self.problems.append(str(error)))
-        self.page.on("dialog", lambda dialog: self.problems.append(f"dialog {dialog.message}"))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(address)
-
-    def close(self):
-        check(not self.problems, *self.problems)
-        other = [url for url in self.requests if not url.startswith(("file:", "data:", "blob:"))]
-        check(not other, "the page asks for", *other)
-        self.context.close()
+        super().__init__(browser, "the page", address, size, accept_downloads=True, **settings)
 
     def wait_until_right(self):
         self.page.wait_for_selector("#verdict .good", timeout=60_000)

@@ -26,7 +26,7 @@ pub enum Scheme {
     ExplicitEuler,
 }
 
-/// Which part of a grain a body is.
+/// The part of a grain that a body is.
 #[derive(Clone, Copy, Debug)]
 pub enum Part {
     /// A grain of one sphere, or a wall grain.

@@ -168,6 +168,7 @@ fn panel(sweep: &Sweep, cells: &[PointMean], key: usize, figure: usize) -> Panel
         })
     };
     let mut curves = Vec::new();
+    let mut bands = Vec::new();
     for (number, (group, points)) in groups.iter().enumerate() {
         let mine = || cells.iter().filter(|cell| cell.figure == figure && points.contains(&cell.point));
         let mut means: Vec<_> = mine().filter_map(|cell| Some((place[cell.point], cell.mean?))).collect();
@@ -181,36 +182,52 @@ fn panel(sweep: &Sweep, cells: &[PointMean], key: usize, figure: usize) -> Panel
         curves.push(Curve { name: group.clone(), colour, points: means, has_line, has_dots: true, is_dashed: false });
         curves.push(Curve { colour, points: bars, has_line: true, ..Curve::default() });
         let colour = if groups.len() > 1 { colour } else { "#222222" };
-        curves.extend(fit.iter().flat_map(|fit| curves_of(fit, ends(points), axis.from, colour)));
+        if let Some(fit) = fit {
+            let ends = start_of(fit, ends(points), axis.from);
+            curves.push(law_curve(fit, &ends, colour));
+            bands.extend(band_curves(fit, &ends));
+        }
     }
     // A band of few points is wide, and must not squeeze the means.
-    let of_means = curves.iter().filter(|curve| curve.colour != BAND).flat_map(|curve| &curve.points);
-    let y = Axis::around(words(name), of_means.map(|point| point.1));
-    for point in curves.iter_mut().filter(|curve| curve.colour == BAND).flat_map(|curve| &mut curve.points) {
+    let y = Axis::around(words(name), curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    for point in bands.iter_mut().flat_map(|band| &mut band.points) {
         if !(y.from..=y.to).contains(&point.1) {
             point.1 = f64::NAN;
         }
     }
-    Panel { curves, key: Key::Above, ..Panel::new(sweep.name.clone(), axis, y) }
+    // Below the means and the law.
+    bands.extend(curves);
+    Panel { curves: bands, key: Key::Above, ..Panel::new(sweep.name.clone(), axis, y) }
 }
 
-/// Returns the curve of a fit and the two of its band, between two places, or from the place where its law begins, if the axis, which begins at
-/// `first`, has it.
-fn curves_of(fit: &GroupFit, Ends { low, high }: Ends, first: f64, colour: &'static str) -> [Curve; 3] {
-    let fitted = &fit.fitted;
-    let low = fitted.start().filter(|start| (first..low).contains(start)).unwrap_or(low);
-    let places = || (0..=FIT_POINTS).map(|n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS));
-    let points = places().filter_map(|x| Some((x, fitted.at(x)?))).collect();
-    let edge = |number: usize| Curve {
-        name: if number == 0 && fitted.band(high).is_some() { "95 % of the law".to_owned() } else { String::new() },
+/// Returns the ends of the curve of a fit: those of the means, or the place where its law begins, if the axis, which begins at `first`, has it.
+fn start_of(fit: &GroupFit, Ends { low, high }: Ends, first: f64) -> Ends {
+    Ends { low: fit.fitted.start().filter(|start| (first..low).contains(start)).unwrap_or(low), high }
+}
+
+/// Returns the places of the points of a fit.
+fn places_between(&Ends { low, high }: &Ends) -> impl Iterator<Item = f64> {
+    (0..=FIT_POINTS).map(move |n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS))
+}
+
+/// Returns the curve of a fit.
+fn law_curve(fit: &GroupFit, ends: &Ends, colour: &'static str) -> Curve {
+    let points = places_between(ends).filter_map(|x| Some((x, fit.fitted.at(x)?))).collect();
+    Curve { name: fit.fitted.in_words(), colour, points, has_line: true, has_dots: false, is_dashed: true }
+}
+
+/// Returns the lower and the upper edge of the confidence band of a fit; nothing without one.
+fn band_curves(fit: &GroupFit, ends: &Ends) -> Vec<Curve> {
+    let edges: Vec<_> = places_between(ends).filter_map(|x| Some((x, fit.fitted.band(x)?))).collect();
+    if edges.is_empty() {
+        return Vec::new();
+    }
+    let edge = |name: &str, number: usize| Curve {
+        name: name.to_owned(),
         colour: BAND,
-        points: places().filter_map(|x| Some((x, fitted.band(x)?[number]))).collect(),
+        points: edges.iter().map(|(x, band)| (*x, band[number])).collect(),
         has_line: true,
         ..Curve::default()
     };
-    [
-        Curve { name: fitted.in_words(), colour, points, has_line: true, has_dots: false, is_dashed: true },
-        edge(0),
-        edge(1),
-    ]
+    vec![edge("95 % of the law", 0), edge("", 1)]
 }

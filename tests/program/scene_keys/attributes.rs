@@ -1,4 +1,4 @@
-//! What attributes of an item say: how serde reads it, and its documentation.
+//! Reads the attributes of an item: how serde reads the item, and its documentation.
 
 use std::collections::BTreeMap;
 

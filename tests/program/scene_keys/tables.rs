@@ -37,7 +37,7 @@ const PLAIN: [(&str, &str); 24] = [
 /// Plain types with a unit, unless the documentation tells that there is none.
 const WITH_UNIT: [&str; 6] = ["Positive", "NonNegative", "Finite", "f64", "FiniteVector", "T"];
 
-/// What tells that there is no unit.
+/// Words of a documentation whose number has no unit.
 const WITHOUT_UNIT: [&str; 8] = [
     "dimensionless",
     "of any length",

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-/// What may stand for a key.
+/// The kind of the value of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A type of Rust, or a number or vector of `values`.
@@ -27,7 +27,7 @@ impl Value {
     }
 }
 
-/// What holds where a key is left out.
+/// The value of a key that is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Absent {
     /// The key is needed.
@@ -36,7 +36,7 @@ pub enum Absent {
     Nothing,
     /// The default of its type.
     OfType,
-    /// What this code says.
+    /// The value of this code.
     Code(String),
 }
 

@@ -1,4 +1,4 @@
-//! Which keys and choices a text of RON uses, by the types of its values.
+//! Finds the keys and choices that a text of RON uses, by the types of its values.
 
 use std::collections::{BTreeMap, BTreeSet};
 

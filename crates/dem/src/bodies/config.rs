@@ -39,7 +39,7 @@ pub enum ShapeConfig {
     },
     /// A grain of a published size, in solid space: an ellipsoid.
     Crop {
-        /// Which crop.
+        /// The crop.
         kind: Crop,
         /// Number of spheres. Default: that of the crop.
         #[serde(default)]

@@ -39,7 +39,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     };
     // The abstract does not say which kind clogs earlier.
     two.judge(&mut judgement, |row| {
-        let (found, remark) = (row.found.abs(), "without its sign: shape has an influence");
+        let found = row.found.abs();
+        let remark = "without its sign: shape has an influence";
         FigureRow { found, ..row }.rule(Rule::Between(3.0, 1e3)).remark(remark)
     });
     Ok(judgement)

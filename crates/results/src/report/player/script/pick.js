@@ -2,9 +2,7 @@
 
 /** The row of the grain that is drawn at a place, in parts of the half height from the middle of the picture; -1 without one. */
 function rowAt(view, x, y) {
-  const { camera, frame, run } = view;
-  const particles = expand(frame.runs, frame.rows, run.particles);
-  const radii = view.radii(frame, particles);
+  const { camera, frame, radii, run } = view;
   const plane = view.cutPlane();
   const along = (direction, place) => direction[0] * place[0] + direction[1] * place[1] + direction[2] * place[2];
   const [across, up, toward] = [camera.right, camera.up, camera.toward].map((direction) => along(direction, camera.centre));
@@ -22,24 +20,20 @@ function rowAt(view, x, y) {
   return found;
 }
 
-/** The row of a particle in a frame; -1 if it is not there. */
-function rowOf(frame, run, particle) {
-  return expand(frame.runs, frame.rows, run.particles).indexOf(particle);
-}
-
-/** What the frames know of a row: `grain 12: x 0.31 m, y 0.52 m, speed 0.2 m/s`. */
-function factsOf(view, all, row) {
-  const { frame, run } = view;
-  const particle = expand(frame.runs, frame.rows, run.particles)[row];
+/** The numbers of a row in words: `grain 12: x 0.31 m, y 0.52 m, radius 5 mm, speed 0.2 m/s`. */
+function factsOf(view, colourings, row) {
+  const { frame, particles, radii, run } = view;
+  const particle = particles[row];
+  const isGrain = run.kinds[particle] === 0;
   const name = ["grain", "wall grain", "door grain"][Math.min(run.kinds[particle], 2)];
   const places = frame.places.slice(0, run.dimension).map((axis, number) => `${"xyz"[number]} ${shortNumber(run.low[number] + axis[row] * run.step)} m`);
-  const numbers = run.kinds[particle] > 0 ? [] : all.filter((colouring) => colouring.key).flatMap((colouring) => {
+  const quantities = colourings.filter((colouring) => isGrain && colouring.key && colouring.key !== "radius");
+  const numbers = quantities.flatMap((colouring) => {
     const level = colouring.place >= 0 ? frame.levels[colouring.place][row] : colouring.levels[particle];
     if (level === NO_NUMBER) return [];
     const share = colouring.isRoot ? (level / run.top) ** 2 : level / run.top;
     const value = colouring.low + share * (colouring.high - colouring.low);
     return `${colouring.name} ${shortNumber(value, 2)}${colouring.unit ? ` ${colouring.unit}` : ""}`;
   });
-  const radius = `radius ${shortNumber(run.radii[particle] * 1000)} mm`;
-  return `${name} ${Math.abs(run.ids[particle])}: ${[...places, radius, ...numbers.filter((text) => !text.startsWith("radius"))].join(", ")}`;
+  return `${name} ${Math.abs(run.ids[particle])}: ${[...places, `radius ${shortNumber(radii[row] * 1000)} mm`, ...numbers].join(", ")}`;
 }

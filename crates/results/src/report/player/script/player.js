@@ -134,13 +134,16 @@ class Player {
 
   /** Tells the numbers of the grain at a place, or of the one that was clicked; else how the picture is moved. */
   point(place, isClicked) {
-    const { view, run } = this;
-    const row = place ? rowAt(view, ...place) : -1;
-    if (isClicked) this.chosen = row < 0 ? -1 : expand(view.frame.runs, view.frame.rows, run.particles)[row];
-    const shown = row < 0 && this.chosen >= 0 ? rowOf(view.frame, run, this.chosen) : row;
-    const isGone = shown < 0 && this.chosen >= 0;
-    const hint = `${view.isSolid ? "Drag to turn, with shift to move" : "Drag to move"}; after a click the wheel zooms. Point at a grain for its numbers, click to follow it. ${KEYS}.`;
-    this.grain.textContent = shown >= 0 ? `${factsOf(view, this.colourings, shown)}${row < 0 || isClicked ? " (followed)" : ""}` : isGone ? "The grain that you follow is not in this frame." : hint;
+    const { view } = this;
+    const pointed = place ? rowAt(view, ...place) : -1;
+    if (isClicked) this.chosen = pointed < 0 ? -1 : view.particles[pointed];
+    const followed = this.chosen < 0 ? -1 : view.particles.indexOf(this.chosen);
+    const move = view.isSolid ? "Drag to turn, with shift to move" : "Drag to move";
+    let words = `${move}; after a click the wheel zooms. Point at a grain for its numbers, click to follow it. ${KEYS}.`;
+    if (pointed >= 0 && !isClicked) words = factsOf(view, this.colourings, pointed);
+    else if (followed >= 0) words = `${factsOf(view, this.colourings, followed)} (followed)`;
+    else if (this.chosen >= 0) words = "The grain that you follow is not in this frame.";
+    this.grain.textContent = words;
   }
 
   /** Shows a message over the picture. */

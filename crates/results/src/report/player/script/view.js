@@ -14,7 +14,10 @@ class View {
     this.shown = { bonds: false, walls: true };
     this.cut = { axis: -1, share: 0 };
     this.colouring = null;
+    /* The frame that is shown, and the particle and the radius (m) of each of its rows. */
     this.frame = null;
+    this.particles = null;
+    this.radii = null;
     this.middleRadius = middle(run.radii.filter((_, particle) => run.kinds[particle] === 0)) || middle(run.radii);
     this.afterDraw = () => {};
     this.makeRenderer();
@@ -46,13 +49,14 @@ class View {
   show(frame) {
     const { run } = this;
     this.frame = frame;
-    const particles = expand(frame.runs, frame.rows, run.particles);
-    this.renderer.setGrains(frame.places, this.radii(frame, particles), colourRows(this.colouring, run, frame, particles));
+    this.particles = expand(frame.runs, frame.rows, run.particles);
+    this.radii = this.radiiOf(frame, this.particles);
+    this.renderer.setGrains(frame.places, this.radii, colourRows(this.colouring, run, frame, this.particles));
     this.redraw();
   }
 
   /** The radius of each row, m. */
-  radii(frame, particles) {
+  radiiOf(frame, particles) {
     const { run } = this;
     const changing = run.changes_radius && colourings(run).find((colouring) => colouring.key === "radius" && colouring.place >= 0);
     if (!changing) return Float32Array.from(particles, (particle) => run.radii[particle]);
