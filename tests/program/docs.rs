@@ -99,6 +99,18 @@ fn every_link_between_pages_leads_somewhere() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+/// The site has the pages of its summary (docs/site/build.py stops for the same reason, but is not run for every change).
+#[test]
+fn the_site_has_every_page_of_the_documentation() {
+    let summary = fs::read_to_string(crate::root().join("docs/site/SUMMARY.md")).unwrap();
+    let docs = crate::root().join("docs");
+    let of_docs = pages().into_iter().filter_map(|page| Some(page.strip_prefix(&docs).ok()?.to_owned()));
+    let without: Vec<_> = of_docs
+        .filter(|page| !page.starts_with("site") && !summary.contains(&format!("](../{})", page.display())))
+        .collect();
+    assert!(without.is_empty(), "docs/site/SUMMARY.md has no line for {without:?}");
+}
+
 /// The commands of a block, with the program under test in place of a build of the package.
 fn as_siloflow(block: &str) -> String {
     block.replace("cargo run --release -- ", "siloflow ").replace("target/release/siloflow", "siloflow")
