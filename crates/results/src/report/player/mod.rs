@@ -94,7 +94,7 @@ impl Packed {
     }
 
     /// Packs the frames of the run in directory `run` into about `characters`. A run that needs more is shown with fewer frames,
-    /// evenly spaced, but at least two. `None` as for [`Packed::of`].
+    /// evenly spaced by number, but at least two. `None` as for [`Packed::of`].
     ///
     /// # Errors
     /// As [`Packed::of`].

@@ -1,4 +1,4 @@
-//! Which frames of a run are packed, if there is no room for all: evenly spaced ones, from the first to the last.
+//! Which frames of a run are packed, if there is no room for all: evenly spaced by number, from the first to the last.
 
 /// Most bytes of all frames before they are compressed, in the memory of a browser.
 const LARGEST_CONTENT: u64 = 256 << 20;

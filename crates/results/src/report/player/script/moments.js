@@ -30,7 +30,7 @@ function speedUnit(run) {
 /** What the player leaves out. */
 function noteOf(run) {
   const frames = run.frames < run.frames_of_run
-    ? `Shown are ${run.frames} of the ${run.frames_of_run} ${run.is_pictures ? "pictures" : "frames"} of the run, evenly spaced, to keep this page small. `
+    ? `Shown are ${run.frames} of the ${run.frames_of_run} ${run.is_pictures ? "pictures" : "frames"} of the run, to keep this page small. `
     : "";
   if (run.is_pictures) return `${frames}These are the pictures in frames/ of the run directory.`;
   const finest = run.step * 1000;
