@@ -59,6 +59,9 @@ pub(super) struct EstimateArgs {
     /// Number of runs at a time, each on one core. Default: the number of cores.
     #[arg(long, value_name = "N")]
     cores: Option<NonZeroUsize>,
+    /// Let radii of softer grains make up for the overlaps of the bed at rest, which one more run measures.
+    #[arg(long)]
+    grow: bool,
     /// Print estimate.json.
     #[arg(long)]
     json: bool,
@@ -92,7 +95,7 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     let begun = Instant::now();
     let scene = args.scene.load()?;
     let figure = Figure::parse(&args.figure, matches!(scene, AnyScene::Lattice(_)))?;
-    let subject = Subject::of(&args.scene, &scene, &figure);
+    let mut subject = Subject::of(&args.scene, &scene, &figure, args.grow);
     let path = args.out.clone().map_or_else(|| directory_named(&format!("{}-estimate", subject.name)), Ok)?;
     let sweep = subject.sweep(&args.scene)?;
     if !quiet {
@@ -100,7 +103,7 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     }
     // An error of the scene changes nothing.
     sweep.check(Task { point: 0, seed: subject.seed }, registry)?;
-    let goal = Goal {
+    let mut goal = Goal {
         within: args.within.or(args.budget.is_none().then_some(USUAL)),
         budget: args.budget,
         cores: args.cores.unwrap_or_else(available_cores).get(),
@@ -111,17 +114,22 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     signals.defer();
     let directory = SweepDirectory::prepare(&path, &sweep, args.force)?;
     let mut runs = SiloRuns {
-        sweep: &sweep,
+        taken: vec![0; sweep.points.len()],
+        sweep,
         directory: &directory,
         figure: &figure,
-        ladder: &subject.ladder,
+        ladder: subject.ladder.clone(),
         seed: subject.seed,
         cores: goal.cores,
         signals: &signals,
         quiet,
-        taken: vec![0; sweep.points.len()],
         records: Vec::new(),
     };
+    if subject.grows
+        && let Err(fault) = grow(&mut subject, &args.scene, &mut runs, &mut goal)
+    {
+        return refused(fault, true);
+    }
     let mut rounds = Vec::new();
     let result = answer(&subject, &goal, &mut runs, &mut rounds, quiet);
     let (answer, step) = match result {
@@ -137,6 +145,7 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
         answer: &answer,
         step,
         not_softened: subject.not_softened.as_deref(),
+        growth: subject.growth.as_ref(),
         runs: runs.records,
         wall_s: begun.elapsed().as_secs_f64(),
     };
@@ -170,6 +179,19 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
         (_, Some(_)) => ExitStatus::Failed,
         _ => ExitStatus::Done,
     })
+}
+
+/// Makes the first run of a ladder with growth, and lets the radii on all rungs make up for its overlaps. Its time counts.
+fn grow(subject: &mut Subject, args: &SceneArgs, runs: &mut SiloRuns, goal: &mut Goal) -> Result<(), Fault> {
+    let Some(first) = runs.first(subject.first_point())? else { return Ok(()) };
+    goal.budget = goal.budget.map(|budget| budget - first.cost);
+    if let Some(overlap) = first.overlap {
+        subject.grow(overlap);
+        runs.sweep = subject.sweep(args)?;
+    } else {
+        tracing::warn!("radii do not grow: the first run did not come to rest, or the scene has no `rest`");
+    }
+    Ok(())
 }
 
 /// Finds the answer, then compares half of the step.

@@ -27,6 +27,18 @@ impl MassLaw {
             Self::Sphere(rho) => rho.get() * 4.0 / 3.0 * PI * radius.powi(3),
         }
     }
+
+    /// Returns the law that gives grains with `factor` times the radius the same mass.
+    #[must_use]
+    pub fn at_radii_times(self, factor: f64) -> Self {
+        // A density too small for a number stays, and the rules on masses refuse it.
+        let over = |rho: Positive, power: i32| Positive::try_from(rho.get() / factor.powi(power)).unwrap_or(rho);
+        match self {
+            Self::ArealSquare(rho) => Self::ArealSquare(over(rho, 2)),
+            Self::Disc(rho) => Self::Disc(over(rho, 2)),
+            Self::Sphere(rho) => Self::Sphere(over(rho, 3)),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -27,6 +27,8 @@ pub struct Totals {
     pub largest_speed: f64,
     /// Largest ratio of overlap to the smaller radius of a pair.
     pub largest_overlap_ratio: f64,
+    /// Mean overlap of contacts between grains, over the mean radius of the pair; 0 without such contacts.
+    pub mean_overlap_ratio: f64,
     /// Coordination number.
     pub coordination: f64,
 }
@@ -46,6 +48,8 @@ impl Totals {
         }
         let mut largest = 0.0f64;
         let mut ends = 0u32;
+        let mut overlaps = 0.0;
+        let mut pairs = 0u32;
         survey.contacts(|i, partner, pair, memory| {
             totals.elastic += survey.law.elastic_energy(pair, memory);
             let (radius, other_is_grain) = match partner {
@@ -53,9 +57,17 @@ impl Totals {
                 Partner::Wall(_) => (store.body[i].radius, false),
             };
             largest = largest.max(pair.overlap / radius);
+            if let Partner::Particle(j) = partner
+                && !store.is_fixed(i)
+                && other_is_grain
+            {
+                overlaps += 2.0 * pair.overlap / (store.body[i].radius + store.body[j].radius);
+                pairs += 1;
+            }
             ends += u32::from(!store.is_fixed(i)) + u32::from(other_is_grain);
         });
         totals.largest_overlap_ratio = largest;
+        totals.mean_overlap_ratio = overlaps / f64::from(pairs.max(1));
         #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]
         let grains = totals.grains.max(1) as f64;
         totals.coordination = f64::from(ends) / grains;

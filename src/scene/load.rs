@@ -2,6 +2,7 @@
 
 mod contacts;
 mod fill;
+mod growth;
 mod shapes;
 pub mod start_state;
 
@@ -166,6 +167,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
     rules::space(&loaded)?;
     read_meshes(&mut loaded)?;
     loaded.resolve_shapes()?;
+    loaded.grow()?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
         let text = input::read_text(&path, SILO_BYTES)

@@ -51,7 +51,7 @@ use siloflow_dem::periodic::PeriodicSides;
 use siloflow_dem::persist::{CheckpointConfig, default_checkpoint};
 use siloflow_dem::space::Dimension;
 use siloflow_dem::spin::InertiaLaw;
-use siloflow_dem::values::{FiniteVector, ImpactError, Positive};
+use siloflow_dem::values::{FiniteVector, ImpactError, Positive, Share};
 use siloflow_dem::walls::config::Wall;
 use siloflow_dem::walls::free::FreeWall;
 use siloflow_dem::walls::motion::Motion;
@@ -96,6 +96,9 @@ pub struct Scene {
     pub inertia: Option<InertiaLaw>,
     /// Law for the masses of grains from their radii; needed by `spawner`, `feed` and `fill`.
     pub mass: Option<MassLaw>,
+    /// Share by which grains of `fill`, `spawner` and `feed` are larger than these say, at the same masses, to make up for the overlaps of soft contacts.
+    /// Default: 0.
+    pub growth: Option<Share>,
     /// Integration scheme. Default `Centred`, with `step: Auto` the cheaper of `Centred` and `Verlet`.
     #[serde(default)]
     pub integrator: Integrator,

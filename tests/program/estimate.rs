@@ -97,6 +97,38 @@ fn softer_runs_have_softer_springs_and_longer_steps() {
 }
 
 #[test]
+fn with_growth_softer_grains_are_larger_and_a_bed_without_rest_is_told() {
+    let here = here(SCENE);
+    let call = ["--figure", "grains.out", "--within", "3", "--grow", "--json"];
+    let found = json(&estimate(here.path(), &call));
+    let runs = found["runs"].as_array().unwrap();
+    let overlap = found["growth"]["overlap"].as_f64().unwrap();
+    let softest = found["growth"]["softness"].as_f64().unwrap();
+    assert!(runs[0]["growth"] == 0.0 && runs[0]["softness"].as_f64() == Some(softest), "{found:#}");
+    for run in &runs[1..] {
+        let softness = run["softness"].as_f64().unwrap();
+        // Half of the further overlap; overlaps of linear springs grow with the softness. Six digits are kept.
+        let expected = 0.5 * overlap * (softness - 1.0) / softest;
+        assert!((run["growth"].as_f64().unwrap() - expected).abs() < 1e-5 * expected + 1e-12, "{run}");
+        let of_run = here.path().join("out/trough-estimate/runs").join(run["run"].as_str().unwrap());
+        let summary: Value = serde_json::from_slice(&fs::read(of_run.join("summary.json")).unwrap()).unwrap();
+        assert_eq!(summary["growth"], run["growth"]);
+    }
+    assert!(runs.iter().any(|run| run["growth"].as_f64().unwrap() > 0.0), "{found:#}");
+    // The first run is that of all later estimates.
+    let again = json(&estimate(here.path(), &call));
+    let again = again["runs"].as_array().unwrap();
+    assert!(runs.iter().all(|run| again.contains(run)), "{again:#?}");
+    assert_eq!(again.iter().filter(|run| run["growth"] == 0.0 && run["softness"] != 1.0).count(), 1);
+    // Nothing is measured without rest.
+    let restless = SCENE.replace("rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02),", "").replace("AtRest", "At(0.5)");
+    fs::write(here.path().join("trough.ron"), restless).unwrap();
+    let output = estimate(here.path(), &[&call[..], &["--out", "restless"]].concat());
+    assert!(text(&output.stderr).contains("radii do not grow"), "{}", text(&output.stderr));
+    assert!(json(&output)["growth"].is_null());
+}
+
+#[test]
 fn windows_of_the_outflow_follow_the_door() {
     let here = here(SCENE);
     let output = siloflow(here.path(), &["run", "trough.ron", "--json", "--quiet"]);

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::runs::Runs;
 use crate::studies::estimate::estimator::Sampler;
+use crate::studies::estimate::growth::overlap_at_rest;
 use crate::studies::estimate::results::RunRecord;
 use crate::studies::estimate::rung::Sample;
 use crate::studies::figures::figure::Figure;
@@ -16,10 +17,10 @@ use siloflow_text::fault::Fault;
 
 /// The runs of an estimate in a directory.
 pub(super) struct SiloRuns<'a> {
-    pub sweep: &'a Sweep,
+    pub sweep: Sweep,
     pub directory: &'a SweepDirectory,
     pub figure: &'a Figure,
-    pub ladder: &'a Ladder,
+    pub ladder: Ladder,
     /// Seed of the first run of each point.
     pub seed: u64,
     pub cores: usize,
@@ -31,25 +32,46 @@ pub(super) struct SiloRuns<'a> {
     pub records: Vec<RunRecord>,
 }
 
+/// The run that measures the overlaps of a bed at rest.
+pub(super) struct FirstRun {
+    /// Mean overlap over the radius; `None` if the bed did not come to rest.
+    pub overlap: Option<f64>,
+    /// Its time on a core, s.
+    pub cost: f64,
+}
+
 impl SiloRuns<'_> {
+    /// Makes a run of a point, if it is not there, and measures the overlaps of its bed at rest; `None` if the user stops it.
+    pub(super) fn first(&mut self, point: usize) -> Result<Option<FirstRun>, Fault> {
+        let task = Task { point, seed: self.seed };
+        let known = matches!(self.directory.state(&self.sweep, task)?, State::Over(_));
+        let sample = if known { Some(self.sample(task, None)?) } else { self.take(&[point])?.pop() };
+        let Some(sample) = sample else { return Ok(None) };
+        let run = RunResults::open(&self.directory.run(&self.sweep, task))?;
+        Ok(Some(FirstRun { overlap: overlap_at_rest(&run)?, cost: sample.cost }))
+    }
+
     /// Reads a run that is over.
     fn sample(&mut self, task: Task, reason: Option<&str>) -> Result<Sample, Fault> {
-        let State::Over(summary) = self.directory.state(self.sweep, task)? else {
+        let State::Over(summary) = self.directory.state(&self.sweep, task)? else {
             let why = reason.unwrap_or("it has no end");
             let message = format!("run {} has no result: {why}", self.sweep.run_name(task));
             return Err(
                 Fault::new("estimate::run", message).help("its messages are in the directory `logs` of the estimate")
             );
         };
-        let run = RunResults::open(&self.directory.run(self.sweep, task))?;
+        let run = RunResults::open(&self.directory.run(&self.sweep, task))?;
         let value = self.figure.of(&run)?;
         let cost = summary["performance"]["wall_s"].as_f64().unwrap_or(0.0);
         let state = summary["state_hash"].as_str().and_then(|text| u64::from_str_radix(text, 16).ok());
         let rungs = self.ladder.softness();
+        // With growth the last point is the softest rung without it.
+        let is_first = task.point == 2 * rungs.len();
         self.records.push(RunRecord {
             run: self.sweep.run_name(task),
-            softness: rungs[task.point % rungs.len()],
-            step_share: if task.point < rungs.len() { 1.0 } else { 0.5 },
+            softness: if is_first { rungs[rungs.len() - 1] } else { rungs[task.point % rungs.len()] },
+            growth: summary["growth"].as_f64().unwrap_or(0.0),
+            step_share: if task.point < rungs.len() || is_first { 1.0 } else { 0.5 },
             seed: task.seed,
             status: summary["status"].as_str().unwrap_or_default().to_owned(),
             value,
@@ -65,7 +87,7 @@ impl Sampler for SiloRuns<'_> {
         for point in 0..self.ladder.softness().len() {
             loop {
                 let task = Task { point, seed: self.seed.wrapping_add(self.taken[point]) };
-                if !matches!(self.directory.state(self.sweep, task)?, State::Over(_)) {
+                if !matches!(self.directory.state(&self.sweep, task)?, State::Over(_)) {
                     break;
                 }
                 self.taken[point] += 1;
@@ -82,7 +104,7 @@ impl Sampler for SiloRuns<'_> {
             self.taken[point] += 1;
         }
         let pool = Runs {
-            sweep: self.sweep,
+            sweep: &self.sweep,
             directory: self.directory,
             cores: NonZeroUsize::new(self.cores).unwrap_or(NonZeroUsize::MIN),
             signals: self.signals,

@@ -40,6 +40,7 @@ use siloflow_dem::space::{Dimension, Plane, Solid, Space};
 use siloflow_dem::step::Clock;
 use siloflow_dem::store::ParticleStore;
 use siloflow_dem::threads::Threads;
+use siloflow_dem::values::Share;
 
 /// The results of a run of grains.
 #[derive(Debug, Serialize)]
@@ -94,6 +95,9 @@ pub struct GrainResults {
     pub requests: RequestFigures,
     /// Contact law.
     pub contact: Contact,
+    /// Share by which radii are larger than the scene says, at the same masses. The key is absent if the scene has no `growth`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
     /// Cost of the run.
     pub performance: Performance,
     /// Version, command, date and machine; `null` unless `siloflow run` wrote the summary.
@@ -293,6 +297,7 @@ impl GrainResults {
             behaviours,
             requests,
             contact: loaded.scene.contact,
+            growth: loaded.scene.growth.map(Share::get),
             performance: Performance {
                 wall_s: cost.wall_s,
                 particle_steps: cost.updates,

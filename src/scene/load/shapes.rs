@@ -204,7 +204,7 @@ impl Loaded {
 
 impl RadiusLaw {
     /// Returns the law with each size multiplied by the factor of its number.
-    fn times(&self, factor: impl Fn(usize) -> f64) -> Self {
+    pub(super) fn times(&self, factor: impl Fn(usize) -> f64) -> Self {
         // A product that no positive number holds leaves the factor, which the rules on masses refuse.
         let times = |size: Positive, number: usize| Positive::try_from(size.get() * factor(number)).unwrap_or(size);
         match self {

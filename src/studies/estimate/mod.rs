@@ -8,6 +8,7 @@
 //! | how soft it may be | [`softness`] |
 //! | the estimator: a function of a source of runs | [`estimator`] |
 //! | which run serves most | [`design`] |
+//! | larger radii that make up for overlaps | [`growth`] |
 //! | the runs of one stiffness | [`rung`] |
 //! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
 //! | results: JSON, table, words | [`results`] |
@@ -18,6 +19,7 @@
 
 pub mod design;
 pub mod estimator;
+pub mod growth;
 pub mod picture;
 pub mod results;
 pub mod rung;

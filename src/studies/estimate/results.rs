@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::estimator::{Answer, StepCheck, Within};
+use super::growth::Growth;
 use siloflow_figures::statistics::digits::{digits, short};
 use siloflow_figures::statistics::extrapolation::{Group, Ladder};
 
@@ -18,6 +19,8 @@ pub struct RunRecord {
     pub run: String,
     /// Softness of its contacts: the stiffness of the scene over theirs.
     pub softness: f64,
+    /// Share by which its radii are larger.
+    pub growth: f64,
     /// Its step over that of the other runs of this softness: 1 or 1/2.
     pub step_share: f64,
     /// Its seed.
@@ -41,6 +44,15 @@ pub struct Sources {
     pub step: Option<f64>,
     /// Standard error of this change.
     pub step_error: Option<f64>,
+}
+
+/// The overlaps that larger radii make up for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GrowthFigures {
+    /// Mean overlap of contacts between grains at rest, over the mean radius of the pair, in a first run without growth.
+    pub overlap: f64,
+    /// Softness of that run.
+    pub softness: f64,
 }
 
 /// The cost of a narrower interval.
@@ -96,6 +108,8 @@ pub struct Estimate {
     pub law: Option<LawFigures>,
     /// Why the contacts were not made softer; `null` if they were.
     pub not_softened: Option<String>,
+    /// The growth of softer grains; `null` without.
+    pub growth: Option<GrowthFigures>,
     /// Cost of an interval of half this width.
     pub tighter: Option<Tighter>,
     /// Number of runs without the figure.
@@ -127,6 +141,8 @@ pub struct Outcome<'a> {
     pub step: Option<StepCheck>,
     /// Why the contacts were not made softer.
     pub not_softened: Option<&'a str>,
+    /// The growth of softer grains.
+    pub growth: Option<&'a Growth>,
     /// All runs.
     pub runs: Vec<RunRecord>,
     /// Time of the call, s.
@@ -176,6 +192,7 @@ impl Estimate {
             spread: fit.filter(|_| certain.is_none()).map(|fit| fit.deviation),
             law,
             not_softened: outcome.not_softened.map(str::to_owned),
+            growth: outcome.growth.map(|it| GrowthFigures { overlap: it.overlap, softness: it.softness }),
             tighter,
             missing: answer.missing(),
             core_s: outcome.runs.iter().map(|run| run.wall_s).sum(),
@@ -237,6 +254,13 @@ impl Estimate {
                 law.power_range[1]
             );
         }
+        if let Some(growth) = self.growth {
+            let _ = writeln!(
+                text,
+                "growth       radii make up for the overlaps of a bed at rest, {:.4} of the radius on average at s = {}",
+                growth.overlap, growth.softness
+            );
+        }
         if let Some(why) = &self.not_softened {
             let _ = writeln!(text, "stiffness    that of the scene in all runs: {why}");
         }
@@ -273,12 +297,12 @@ impl Estimate {
 /// Returns a table with a row for each run.
 #[must_use]
 pub fn runs_table(runs: &[RunRecord]) -> String {
-    let mut text = String::from("run,softness,step_share,seed,status,value,wall_s\n");
+    let mut text = String::from("run,softness,growth,step_share,seed,status,value,wall_s\n");
     for run in runs {
         let value = run.value.map_or_else(String::new, |value| value.to_string());
-        let RunRecord { run, softness, step_share, seed, status, wall_s, .. } = run;
+        let RunRecord { run, softness, growth, step_share, seed, status, wall_s, .. } = run;
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{run},{softness},{step_share},{seed},{status},{value},{wall_s}");
+        let _ = writeln!(text, "{run},{softness},{growth},{step_share},{seed},{status},{value},{wall_s}");
     }
     text
 }
