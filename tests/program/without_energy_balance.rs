@@ -96,7 +96,7 @@ fn run_without_energy_balance_writes_the_other_columns() {
     assert!(!energy.contains_key("dissipated") && !energy.contains_key("released"));
     let series = fs::read_to_string(here.path().join("run/series.csv")).unwrap();
     let widths: Vec<_> = series.lines().map(|line| line.split(',').count()).collect();
-    assert!(widths.len() > 1 && widths.iter().all(|&width| width == 15), "{series}");
+    assert!(widths.len() > 1 && widths.iter().all(|&width| width == 16), "{series}");
     assert!(series.contains("kinetic_j") && !series.contains("dissipated_j"));
 }
 
