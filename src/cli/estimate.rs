@@ -19,11 +19,12 @@ use crate::cli::signals::Signals;
 use crate::cli::sweep::available_cores;
 use crate::cli::{SceneArgs, picture_files, refused, say, say_aside, show};
 use crate::scene::loaded::AnyScene;
-use crate::studies::estimate::estimator::{
-    Answer, Goal, Refusal, StepCheck, Within, check_step, estimate as estimate_mean,
-};
+use crate::studies::estimate::answer::Answer;
+use crate::studies::estimate::estimator::estimate as estimate_mean;
+use crate::studies::estimate::goal::{Goal, Refusal, Within};
 use crate::studies::estimate::picture::{Round, picture};
 use crate::studies::estimate::results::{Estimate, Outcome, rungs_table, runs_table};
+use crate::studies::estimate::step_check::{StepCheck, check_step};
 use crate::studies::figures::figure::Figure;
 use crate::studies::sweep::Task;
 use crate::studies::sweep::directory::SweepDirectory;

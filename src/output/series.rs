@@ -87,9 +87,12 @@ pub(crate) const STATE: &[Column<SeriesRow>] = &[
     Column::new("largest_overlap_ratio", "", "largest overlap now, over the smaller radius of the pair", |row| {
         Scientific(row.totals.largest_overlap_ratio)
     }),
-    Column::new("mean_overlap_ratio", "", "mean overlap now of contacts between grains, over the mean radius of the pair", |row| {
-        Scientific(row.totals.mean_overlap_ratio)
-    }),
+    Column::new(
+        "mean_overlap_ratio",
+        "",
+        "mean overlap now of contacts between grains, over the mean radius of the pair",
+        |row| Scientific(row.totals.mean_overlap_ratio),
+    ),
     Column::new("coordination", "", "mean number of contacts per grain", |row| Decimal(row.totals.coordination)),
 ];
 

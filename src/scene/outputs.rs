@@ -18,7 +18,7 @@ pub struct Pictures {
     pub colour: Colour,
     /// Whether each SVG is also written as PNG. Default `false`.
     pub png: bool,
-    /// Force whose bond is drawn as wide as the smallest radius, N. Without it no contact forces are drawn.
+    /// Force whose bond is drawn as wide as the smallest radius, N; forces below a tenth of it are left out. Default: no contact forces are drawn.
     pub network: Option<Positive>,
     /// Lower left and upper right corner of the view, m, to the right and up in the picture; of solid space seen from the front in
     /// x and z. Default: all walls and all grains at the start.

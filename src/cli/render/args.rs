@@ -41,7 +41,7 @@ pub(in crate::cli) struct RenderArgs {
     /// behind it.
     #[arg(long, value_name = "M", num_args = 0..=1, require_equals = true, default_missing_value = "0", allow_hyphen_values = true)]
     pub(super) cut: Option<f64>,
-    /// Draw contact forces as bonds; a bond of this force, N, is as wide as the smallest radius.
+    /// Draw contact forces as bonds; a bond of this force, N, is as wide as the smallest radius, and forces below a tenth of it are left out.
     #[arg(long, value_name = "N", value_parser = positive)]
     pub(super) network: Option<f64>,
     /// Width, px. Default: as the scene says; a movie fits into 960 x 720 px.

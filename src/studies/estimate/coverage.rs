@@ -5,7 +5,9 @@
 use siloflow_figures::statistics::extrapolation::{Ladder, Powers};
 use siloflow_text::fault::Fault;
 
-use super::estimator::{Answer, Goal, Sampler, Within, estimate};
+use super::answer::Answer;
+use super::estimator::{Sampler, estimate};
+use super::goal::{Goal, Within};
 use super::rung::Sample;
 
 const HERTZ: Powers = Powers { low: 0.4, usual: 2.0 / 3.0, high: 1.0 };

@@ -8,7 +8,7 @@
 //!    two samples). And the stiffest rung must lie near: the law may carry the value by at most [`FARTHEST`] times the half width that is asked for.
 //!    Residuals hardly tell a law that fails on the way, but then it has little way to fail on. For the same reason the value without the softest rung may
 //!    not differ by more than that half width: if it does, that rung no longer counts.
-//! 4. Else the next runs, as many as there are cores ([`Design`]), within the budget.
+//! 4. Else the next runs, as many as there are cores ([`Design`](super::design::Design)), within the budget.
 //!
 //! Runs of one rung that end in the same state to the last bit show that the seed has no effect. Then one run at the scene's own stiffness is the
 //! answer.
@@ -17,13 +17,11 @@
 //!
 //! The estimator *refuses* if the budget is spent, if more than half of the runs lack the figure, or after [`MOST_RUNS`] runs.
 
-use std::fmt::{self, Display, Formatter};
-
-use siloflow_figures::statistics::extrapolation::{Fit, Group, Ladder, Powers};
-use siloflow_figures::statistics::quantile::{binomial, student};
+use siloflow_figures::statistics::extrapolation::Ladder;
 use siloflow_text::fault::Fault;
 
-use super::design::Design;
+use super::answer::Answer;
+use super::goal::{Goal, Refusal};
 use super::rung::{Rung, Sample};
 
 /// Least degrees of freedom of an interval that is wide by chance.
@@ -34,9 +32,6 @@ pub const FARTHEST: f64 = 1.0;
 
 /// Most runs.
 pub const MOST_RUNS: usize = 1000;
-
-/// Runs with half of the step.
-const RUNS_OF_HALF_STEP: usize = 2;
 
 /// Significance of a lack of fit.
 const LAW_FAILS: f64 = 0.05;
@@ -60,127 +55,6 @@ pub trait Sampler {
 
     /// Whether no further runs are wanted.
     fn is_stopped(&self) -> bool;
-}
-
-/// Width of the interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Within {
-    /// Half of it over the value.
-    Share(f64),
-    /// Half of it, in the unit of the figure.
-    Absolute(f64),
-}
-
-impl Within {
-    /// Returns the half width for a value.
-    #[must_use]
-    pub fn half(self, value: f64) -> f64 {
-        match self {
-            Self::Share(share) => share * value.abs(),
-            Self::Absolute(half) => half,
-        }
-    }
-}
-
-/// A request: the width of the interval, or the time.
-#[derive(Clone, Copy, Debug)]
-pub struct Goal {
-    /// Width of the interval; `None`: as narrow as the budget allows.
-    pub within: Option<Within>,
-    /// Time for all runs, s.
-    pub budget: Option<f64>,
-    /// Runs at a time.
-    pub cores: usize,
-    /// Probability that the interval contains the mean.
-    pub confidence: f64,
-    /// Whether each value is 0 or 1, and its mean a probability.
-    pub is_probability: bool,
-}
-
-/// Why there is no answer as good as asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// The budget is spent.
-    Budget,
-    /// Most runs lack the figure.
-    Absent,
-    /// Too many runs.
-    Runs,
-    /// The user has stopped it.
-    Stopped,
-    /// Half of the step changes the figure.
-    Step,
-}
-
-impl Display for Refusal {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Budget => "the budget is spent before the interval is as narrow as asked for",
-            Self::Absent => "more than half of the runs do not have the figure",
-            Self::Runs => "a thousand runs do not make the interval as narrow as asked for",
-            Self::Stopped => "interrupted before the interval is as narrow as asked for",
-            Self::Step => "half of the step changes the figure: the step of the scene is too long for it",
-        })
-    }
-}
-
-/// The answer.
-#[derive(Clone, Debug)]
-pub struct Answer {
-    /// The fit; `None` without enough runs.
-    pub fit: Option<Fit>,
-    /// Whether the seed has no effect.
-    pub is_certain: bool,
-    /// The softest rung that counts.
-    pub softest: usize,
-    /// The runs of each rung.
-    pub rungs: Vec<Rung>,
-    /// Why it is not as good as asked for.
-    pub refused: Option<Refusal>,
-    /// Cost of all runs over the number of cores, s.
-    pub spent: f64,
-}
-
-impl Answer {
-    /// Number of runs.
-    #[must_use]
-    pub fn runs(&self) -> usize {
-        self.rungs.iter().map(Rung::runs).sum()
-    }
-
-    /// Number of runs without the figure.
-    #[must_use]
-    pub fn missing(&self) -> usize {
-        self.rungs.iter().map(|rung| rung.missing).sum()
-    }
-
-    /// Fits the runs of all rungs up to one.
-    fn fit_up_to(&self, softest: usize, ladder: &Ladder, goal: &Goal) -> Option<Fit> {
-        let group = |(number, rung): (usize, &Rung)| Group::of(&rung.values).filter(|_| number <= softest);
-        let groups: Vec<_> = self.rungs.iter().enumerate().map(group).collect();
-        if goal.is_probability {
-            return probability(&groups[0]?, goal.confidence);
-        }
-        ladder.fit(&groups, goal.confidence)
-    }
-
-    /// The stiffest rung with the figure.
-    #[must_use]
-    pub fn stiffest(&self) -> usize {
-        self.rungs.iter().position(|rung| !rung.values.is_empty()).unwrap_or(self.softest)
-    }
-
-    /// Time of all runs on their cores, s.
-    #[must_use]
-    pub fn cost(&self) -> f64 {
-        self.rungs.iter().map(|rung| rung.cost).sum()
-    }
-
-    /// The design of the runs so far; `None` without a fit.
-    #[must_use]
-    pub fn design<'a>(&self, ladder: &'a Ladder, confidence: f64) -> Option<Design<'a>> {
-        Some(Design::new(ladder, confidence, self.fit.as_ref()?, &self.rungs, self.softest))
-    }
 }
 
 /// Estimates the mean at softness 1. `tell` receives the state after each round.
@@ -234,7 +108,12 @@ pub fn estimate(
 }
 
 /// Makes runs, as many at a time as there are cores, until the user stops them. `spent` is the time of all runs so far, s.
-fn take(goal: &Goal, sampler: &mut impl Sampler, rungs: &[usize], spent: &mut f64) -> Result<Vec<Sample>, Fault> {
+pub(super) fn take(
+    goal: &Goal,
+    sampler: &mut impl Sampler,
+    rungs: &[usize],
+    spent: &mut f64,
+) -> Result<Vec<Sample>, Fault> {
     let mut all = Vec::new();
     for part in rungs.chunks(goal.cores.max(1)) {
         if sampler.is_stopped() {
@@ -266,25 +145,6 @@ fn judge(answer: &mut Answer, ladder: &Ladder, goal: &Goal) {
     } else if runs >= MOST_RUNS {
         answer.refused = Some(Refusal::Runs);
     }
-}
-
-/// Returns the estimate of a probability from zeros and ones. The runs are all at softness 1.
-fn probability(group: &Group, confidence: f64) -> Option<Fit> {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of runs")]
-    let [hits, trials] = [group.mean * group.count, group.count].map(|count| count.round() as usize);
-    let interval = binomial(confidence, hits, trials);
-    let powers = Powers { low: 1.0, usual: 1.0, high: 1.0 };
-    let deviation = (group.mean * (1.0 - group.mean)).sqrt();
-    (trials > 1).then_some(Fit {
-        value: group.mean,
-        interval,
-        chance: interval.half(),
-        powers,
-        slope: 0.0,
-        deviation,
-        freedom: trials - 1,
-        lack_of_fit: 1.0,
-    })
 }
 
 /// Whether the value depends on the softest rung: an interval that is narrow enough, and a value without that rung that is farther away.
@@ -349,39 +209,4 @@ fn plan(answer: &Answer, ladder: &Ladder, goal: &Goal, is_far: bool) -> Vec<usiz
         }
     }
     next
-}
-
-/// The effect of half of the step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepCheck {
-    /// Change of the mean.
-    pub change: f64,
-    /// Its standard error.
-    pub error: f64,
-    /// Whether it is more than chance, at a significance of 1 %.
-    pub is_significant: bool,
-}
-
-/// Compares the softest rung that counts with runs of half of its step. `None` if there is nothing to compare.
-///
-/// # Errors
-/// If a run cannot be made.
-pub fn check_step(
-    answer: &mut Answer,
-    goal: &Goal,
-    sampler: &mut impl Sampler,
-    half_step: usize,
-) -> Result<Option<StepCheck>, Fault> {
-    let Some(fit) = answer.fit else { return Ok(None) };
-    let Some(own) = Group::of(&answer.rungs[answer.softest].values) else { return Ok(None) };
-    let mut half = Rung::default();
-    let made = take(goal, sampler, &[half_step; RUNS_OF_HALF_STEP], &mut answer.spent)?;
-    for sample in made {
-        half.add(sample);
-    }
-    let Some(halved) = Group::of(&half.values) else { return Ok(None) };
-    let change = halved.mean - own.mean;
-    let error = fit.deviation * (1.0 / halved.count + 1.0 / own.count).sqrt();
-    let limit = student(0.99, fit.freedom);
-    Ok(Some(StepCheck { change, error, is_significant: change.abs() > limit * error }))
 }

@@ -11,20 +11,26 @@
 //! | larger radii that make up for overlaps | [`growth`] |
 //! | the runs of one stiffness | [`rung`] |
 //! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
-//! | results: JSON, table, words | [`results`] |
+//! | what is asked for, the answer | [`goal`], [`answer`] |
+//! | the effect of half of the step | [`step_check`] |
+//! | results: JSON, tables | [`results`] |
 //! | the figure of value against softness | [`picture`] |
 //!
 //! The meaning of the interval: with the stated confidence it contains the mean of the figure over all seeds, at the stiffness and the step of the scene. The scatter of
 //! a single run is another number, and stands beside it.
 
+pub mod answer;
 pub mod design;
 pub mod estimator;
+pub mod goal;
 pub mod growth;
 pub mod picture;
 pub mod results;
 pub mod rung;
 pub mod softening;
 pub mod softness;
+pub mod step_check;
+mod words;
 
 #[cfg(test)]
 mod coverage;

@@ -5,7 +5,7 @@ use siloflow_figures::statistics::extrapolation::Ladder;
 
 use crate::studies::figures::words::words;
 
-use super::estimator::Answer;
+use super::answer::Answer;
 use super::results::RunRecord;
 
 /// Points of a curve.

@@ -1,5 +1,6 @@
 //! Contact forces as bonds. A bond starts at the grain and ends at the centre of its partner, or at the nearest point of a wall. A
-//! bond through a periodic side extends beyond that side.
+//! bond through a periodic side extends beyond that side. Forces below a tenth of that of the widest bond are left out: most contacts of a bed carry
+//! little, and without them the chains are seen that carry the load.
 
 use super::grains::Grains;
 use super::point;
@@ -7,6 +8,9 @@ use super::style::Style;
 use glam::{DVec2, DVec3};
 use siloflow_figures::colour::Rgb;
 use siloflow_files::frames::{Frame, Header, ParticleKey, Table};
+
+/// The weakest force that is drawn, over the force of the widest bond.
+pub(crate) const WEAKEST: f64 = 0.1;
 
 /// Bond colours of sticking and of sliding contacts.
 pub(super) const COLOURS: [Rgb; 2] = [[0x1a, 0x1a, 0x1a], [0xf0, 0x6c, 0x00]];
@@ -27,7 +31,7 @@ pub(super) fn of(header: &Header, frame: &Frame, style: &Style, grains: &Grains)
         let ends = [from, to].map(|end| style.camera.on_paper(end));
         let (low, high) = style.view;
         let is_in_view = ends[0].max(ends[1]).cmpge(low).all() && ends[0].min(ends[1]).cmple(high).all();
-        if force > 0.0 && is_in_view {
+        if force >= WEAKEST * full && is_in_view {
             let width = (force / full).min(1.0) * style.smallest_radius;
             bonds.shapes.push((ends[0], ends[1], width, COLOURS[usize::from(is_sliding)]));
             bonds.kinds[usize::from(is_sliding)] = true;

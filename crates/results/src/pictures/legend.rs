@@ -8,6 +8,7 @@ use super::shades;
 use super::style::{Colouring, Style};
 use glam::{DVec2, DVec3};
 use siloflow_figures::colour::Rgb;
+use siloflow_figures::statistics::digits::short;
 use siloflow_figures::svg::Legend;
 use siloflow_files::frames::{Frame, Header};
 
@@ -48,7 +49,9 @@ pub(super) fn rows(header: &Header, style: &Style) -> usize {
 }
 
 pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
-    let words = [format!("contact force {} N", style.network.unwrap_or(0.0)), "sliding".to_owned()];
+    let widest = style.network.unwrap_or(0.0);
+    let force = format!("contact force {widest} N, drawn from {} N on", short(bonds::WEAKEST * widest));
+    let words = [force.clone(), "sliding".to_owned()];
     let entries = bonds.kinds.into_iter().zip(bonds::COLOURS).zip(words);
     let mut key: Vec<_> = entries
         .filter(|((is_there, _), _)| *is_there)
@@ -56,7 +59,7 @@ pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
         .collect();
     // If all contacts slide, the only entry says how wide the bonds are.
     if let ([false, true], [only]) = (bonds.kinds, &mut key[..]) {
-        only.2 = format!("sliding, contact force {} N", style.network.unwrap_or(0.0));
+        only.2 = format!("sliding, {force}");
     }
     key
 }

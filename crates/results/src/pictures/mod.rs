@@ -19,7 +19,7 @@
 //! | `legend.rs` | header, legend and key |
 //! | `camera.rs` | the axes of a picture |
 
-mod bonds;
+pub(crate) mod bonds;
 pub mod camera;
 mod clip;
 mod edges;

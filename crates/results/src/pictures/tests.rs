@@ -109,18 +109,18 @@ fn a_column_that_is_not_there_is_refused_with_the_others() {
 #[test]
 fn bonds_take_the_short_way_and_the_key_names_the_kinds_that_occur() {
     let mut all = frame(&[(0, 0, &[0.2, 1.0, 1.0]), (1, 0, &[3.4, 1.0, 1.0]), (2, 0, &[2.5, 1.0, 1.0])]);
-    all.tables.push(contacts(&[(0, 1, 2.0, 0), (1, 2, 8.0, 0), (0, 2, 0.0, 0), (0, 7, 1.0, 1)]));
+    all.tables.push(contacts(&[(0, 1, 2.0, 0), (1, 2, 8.0, 0), (0, 2, 0.39, 0), (0, 7, 1.0, 1)]));
     let network = Style { network: Some(4.0), ..style(Direction::Front) };
     let picture = draw(&header(3), &all, &network);
-    // Through the periodic side at 0 m, and at most as wide as a radius; no bond without force or partner.
+    // Through the periodic side at 0 m, and at most as wide as a radius; no bond below a tenth of the widest, or without partner.
     let ends: Vec<_> = picture.bonds.iter().map(|bond| (bond.0.x, bond.1.x, bond.2)).collect();
     assert_eq!(ends.len(), 2, "{ends:?}");
     assert!((ends[0].1 + 0.6).abs() < 1e-12 && (ends[0].2 - 0.25).abs() < 1e-12, "{ends:?}");
     assert_eq!(ends[1], (3.4, 2.5, 0.5));
     let words = |picture: Picture| picture.key.into_iter().map(|entry| entry.2).collect::<Vec<_>>();
-    assert_eq!(words(picture), ["contact force 4 N"]);
+    assert_eq!(words(picture), ["contact force 4 N, drawn from 0.4 N on"]);
     all.tables[1] = contacts(&[(0, 1, 2.0, 1)]);
-    assert_eq!(words(draw(&header(3), &all, &network)), ["sliding, contact force 4 N"]);
+    assert_eq!(words(draw(&header(3), &all, &network)), ["sliding, contact force 4 N, drawn from 0.4 N on"]);
     all.tables[1] = contacts(&[]);
     assert!(words(draw(&header(3), &all, &network)).is_empty());
 }

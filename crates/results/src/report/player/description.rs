@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::links::TOP_FORCE;
 use super::plan::Plan;
 use super::scale::TOP;
+use crate::pictures::bonds::WEAKEST;
 use siloflow_figures::colour::{self, Rgb};
 use siloflow_files::frames::Header;
 use siloflow_files::frames::scale::Palette;
@@ -104,7 +105,12 @@ impl<'a> Description<'a> {
             changes_radius: plan.facts.changes_radius,
             quantities: quantities.collect(),
             top: TOP,
-            forces: Range { low: 0.0, high: plan.forces.high, smallest: forces.low, largest: forces.high },
+            forces: Range {
+                low: WEAKEST * plan.forces.high,
+                high: plan.forces.high,
+                smallest: forces.low,
+                largest: forces.high,
+            },
             top_force: TOP_FORCE,
             has_contacts: plan.facts.contacts > 0,
             doors: header.walls.iter().map(|wall| wall.is_door).collect(),

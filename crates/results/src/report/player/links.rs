@@ -7,11 +7,12 @@
 //! | length, bytes | for each contact the row of its partner, less that of the grain; or in each axis the point of a wall, less the grain's place |
 //! | bytes | for each contact twice the level of its normal force (0 to 127), and 1 more if it slides |
 //!
-//! Contacts are in the order of rows. One that would be drawn without a width, with level 0, is left out.
+//! Contacts are in the order of rows. Those with less than [`WEAKEST`] of the force of the widest line are left out, as in pictures.
 
 use super::bytes::{length, put, put_signed};
 use super::grid::Grid;
 use super::scale::Scale;
+use crate::pictures::bonds::WEAKEST;
 use siloflow_files::frames::{Frame, ParticleKey, Table};
 
 /// Highest level of a force.
@@ -81,7 +82,7 @@ fn contacts<'a, T>(
     let contact = |row: usize| {
         let level = scale.level(forces.get(row)?.abs(), TOP_FORCE);
         // A force that is no number has a level above the highest.
-        if level == 0 || f64::from(level) > TOP_FORCE {
+        if f64::from(level) < WEAKEST * TOP_FORCE || f64::from(level) > TOP_FORCE {
             return None;
         }
         let slides = sliding.as_ref().and_then(|sliding| sliding.get(row)).is_some_and(|&slides| slides != 0);

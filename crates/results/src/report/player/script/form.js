@@ -62,7 +62,7 @@ function legend(colouring, run, shown) {
   if (shown.walls && run.doors.includes(false)) swatch(surfaces[0], "walls", "line");
   if (shown.walls && run.doors.includes(true)) swatch(surfaces[1], "doors", "line");
   if (shown.bonds) {
-    const width = `normal force, widest from ${shortNumber(run.forces.high)} N`;
+    const width = `normal force, drawn from ${shortNumber(run.forces.low)} N, widest from ${shortNumber(run.forces.high)} N`;
     swatch("var(--ink)", width, "line");
     if (run.hasSliding) swatch(SLIDING, "sliding contact", "line");
   }
