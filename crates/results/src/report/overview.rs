@@ -112,17 +112,6 @@ pub fn figures_of(runs: &[Run], labels: &[String]) -> Option<Section> {
 /// Largest overlap over the radius that the contact laws are meant for. They take overlaps to be small; a tenth is beyond that.
 const DEEP: f64 = 0.1;
 
-/// Returns what is wrong with a key figure, in words.
-fn trouble(name: &str, value: f64) -> Option<&'static str> {
-    match name {
-        "Grains lost" if value > 0.0 => Some("they left, but not through a door"),
-        "Largest overlap over the radius" if value > DEEP => {
-            Some("deep: stiffer contacts or slower impacts would be nearer to hard grains")
-        }
-        _ => None,
-    }
-}
-
 /// A key figure.
 struct KeyFigure {
     name: &'static str,
@@ -131,19 +120,32 @@ struct KeyFigure {
     /// Column of `series.csv` that has it in a run without a summary; empty if there is none.
     column: &'static str,
     unit: &'static str,
+    /// Number above which something is wrong, and what; `None` if any number is right.
+    trouble: Option<(f64, &'static str)>,
+}
+
+impl KeyFigure {
+    /// Returns what is wrong with a number, in words.
+    fn trouble(&self, number: f64) -> Option<&'static str> {
+        self.trouble.filter(|(most, _)| number > *most).map(|(_, words)| words)
+    }
+
+    const fn wrong_above(self, most: f64, words: &'static str) -> Self {
+        Self { trouble: Some((most, words)), ..self }
+    }
 }
 
 const fn figure(name: &'static str, pointer: &'static str, column: &'static str, unit: &'static str) -> KeyFigure {
-    KeyFigure { name, pointer, column, unit }
+    KeyFigure { name, pointer, column, unit, trouble: None }
 }
 
-const FIGURES: [KeyFigure; 18] = [
+static FIGURES: [KeyFigure; 18] = [
     figure("Simulated time", "/time_s", "time_s", "s"),
     figure("Steps", "/steps", "step", "steps"),
     figure("Grains released", "/grains/released", "released", "grains"),
     figure("Grains out", "/grains/out", "out", "grains"),
     figure("Mass out", "/grains/out_kg", "out_kg", "kg"),
-    figure("Grains lost", "/grains/lost", "lost", "grains"),
+    figure("Grains lost", "/grains/lost", "lost", "grains").wrong_above(0.0, "they left, but not through a door"),
     figure("Particles entered", "/particles/entered", "entered", "particles"),
     figure("Particles out", "/particles/out", "out", "particles"),
     figure("At rest", "/rest_time_s", "", "s"),
@@ -154,12 +156,13 @@ const FIGURES: [KeyFigure; 18] = [
     figure("Packing fraction at rest", "/bed/packing_fraction", "", ""),
     figure("Discharge by number", "/discharge/rate_per_s", "", "grains/s"),
     figure("Discharge by mass", "/discharge/rate_kg_per_s", "", "kg/s"),
-    figure("Largest overlap over the radius", "/max_overlap_ratio", "", ""),
+    figure("Largest overlap over the radius", "/max_overlap_ratio", "", "")
+        .wrong_above(DEEP, "deep: stiffer contacts or slower impacts would be nearer to hard grains"),
     figure("Wall-clock time of the steps", "/performance/wall_s", "", "s"),
 ];
 
-/// Names of key figures, with the cell of each run.
-fn sheet_rows(runs: &[Run]) -> Vec<(&'static str, Vec<Cell>)> {
+/// The key figures, with the cell of each run.
+fn sheet_rows(runs: &[Run]) -> Vec<(&'static KeyFigure, Vec<Cell>)> {
     // Without a summary a column of `series.csv` has the figure. Both methods have columns of some names, so a run shows only the figures of
     // its own method then.
     let is_of_method = |run: &Run, figure: &KeyFigure| {
@@ -172,24 +175,26 @@ fn sheet_rows(runs: &[Run]) -> Vec<(&'static str, Vec<Cell>)> {
         let number = is_of_method(run, figure).then(|| run.last(figure.pointer, figure.column)).flatten();
         Cell::of(number, figure.unit)
     };
-    FIGURES.iter().map(|figure| (figure.name, runs.iter().map(|run| cell(run, figure)).collect())).collect()
+    FIGURES.iter().map(|figure| (figure, runs.iter().map(|run| cell(run, figure)).collect())).collect()
 }
 
 fn key_figures(runs: &[Run]) -> Sheet {
     let mut sheet = Sheet::default();
-    for (name, cells) in sheet_rows(runs) {
-        sheet.add(name, cells);
+    for (figure, cells) in sheet_rows(runs) {
+        sheet.add(figure.name, cells);
     }
     sheet
 }
 
 /// Key figures of a single run, as a list of terms.
-fn tiles(rows: &[(&'static str, Vec<Cell>)]) -> String {
+fn tiles(rows: &[(&'static KeyFigure, Vec<Cell>)]) -> String {
     let mut html = "<dl class=\"tiles\">\n".to_owned();
-    for (name, cells) in rows {
+    for (figure, cells) in rows {
         if let Some(Cell::Number(value, unit)) = cells.first() {
-            let (class, note) = trouble(name, *value)
-                .map_or_else(Default::default, |why| (" class=\"trouble\"", format!("<p>{why}</p>")));
+            let trouble = figure.trouble(*value);
+            let (class, note) =
+                trouble.map_or_else(Default::default, |why| (" class=\"trouble\"", format!("<p>{why}</p>")));
+            let name = figure.name;
             let _ = writeln!(html, "<div{class}><dt>{name}</dt><dd>{}{note}</dd></div>", quantity(*value, unit));
         }
     }

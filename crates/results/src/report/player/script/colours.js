@@ -23,10 +23,23 @@ function layers(run, opening) {
   const frame = frameList[at];
   const particles = expand(frame.runs, frame.rows, run.particles);
   const heights = frame.places[dimension - 1];
-  const rows = Array.from(particles.keys()).filter((row) => run.kinds[particles[row]] === 0).sort((a, b) => heights[a] - heights[b]);
-  if (rows.length < 2 * LAYERS) return null;
+  // All spheres of a grain are in the layer of their mean height.
+  const grains = new Map();
+  particles.forEach((particle, row) => {
+    if (run.kinds[particle] !== 0) return;
+    const grain = grains.get(run.ids[particle]) ?? { spheres: [], sum: 0 };
+    grain.spheres.push(particle);
+    grain.sum += heights[row];
+    grains.set(run.ids[particle], grain);
+  });
+  const height = ({ spheres, sum }) => sum / spheres.length;
+  const sorted = [...grains.values()].sort((a, b) => height(a) - height(b));
+  if (sorted.length < 2 * LAYERS) return null;
   const levels = new Uint8Array(run.particles).fill(NO_NUMBER);
-  rows.forEach((row, rank) => (levels[particles[row]] = Math.round((Math.floor((LAYERS * rank) / rows.length) * top) / (LAYERS - 1))));
+  sorted.forEach(({ spheres }, rank) => {
+    const level = Math.round((Math.floor((LAYERS * rank) / sorted.length) * top) / (LAYERS - 1));
+    for (const particle of spheres) levels[particle] = level;
+  });
   return { name: `layer at ${momentOf(run, at)}`, unit: "", isLayers: true, low: 1, high: LAYERS, palette: run.palettes[0], levels, place: -1 };
 }
 
