@@ -1,5 +1,7 @@
 //! `siloflow estimate`: a figure of a scene with its error, from runs that the command chooses.
 
+#[cfg(feature = "report")]
+mod page;
 mod runs;
 mod subject;
 
@@ -22,12 +24,13 @@ use crate::scene::loaded::AnyScene;
 use crate::studies::estimate::answer::Answer;
 use crate::studies::estimate::estimator::estimate as estimate_mean;
 use crate::studies::estimate::goal::{Goal, Refusal, Within};
-use crate::studies::estimate::picture::{Round, picture};
+use crate::studies::estimate::picture::{Round, panels};
 use crate::studies::estimate::results::{Estimate, Outcome, rungs_table, runs_table};
 use crate::studies::estimate::step_check::{StepCheck, check_step};
 use crate::studies::figures::figure::Figure;
 use crate::studies::sweep::Task;
 use crate::studies::sweep::directory::SweepDirectory;
+use siloflow_figures::diagram::sheet;
 use siloflow_figures::statistics::digits::{digits, short};
 use siloflow_text::fault::Fault;
 
@@ -152,13 +155,13 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     };
     let estimate = Estimate::of(outcome);
     let json = serde_json::to_string_pretty(&estimate).unwrap_or_default() + "\n";
-    let svg = picture(&subject.name, &args.figure, &subject.ladder, &answer, &estimate.runs, &rounds);
-    let mut files = vec![
-        (PathBuf::from("estimate.json"), json.clone().into_bytes()),
-        (PathBuf::from("runs.csv"), runs_table(&estimate.runs).into_bytes()),
-        (PathBuf::from("rungs.csv"), rungs_table(&subject.ladder, &answer).into_bytes()),
-    ];
-    files.extend(picture_files("estimate", svg)?.map(|(name, content)| (PathBuf::from(name), content)));
+    let panels = panels(&subject.name, &args.figure, &subject.ladder, &answer, &estimate.runs, &rounds);
+    let tables = [("runs.csv", runs_table(&estimate.runs)), ("rungs.csv", rungs_table(&subject.ladder, &answer))];
+    let mut files = vec![(PathBuf::from("estimate.json"), json.clone().into_bytes())];
+    #[cfg(feature = "report")]
+    files.push((PathBuf::from("report.html"), page::page(&estimate, &panels, &tables)?.into_bytes()));
+    files.extend(tables.map(|(name, table)| (PathBuf::from(name), table.into_bytes())));
+    files.extend(picture_files("estimate", sheet(&panels, 2))?.map(|(name, content)| (PathBuf::from(name), content)));
     if let Err(error) = directory.write(&files) {
         let message = format!("could not write to {}: {error}", path.display());
         show(

@@ -65,7 +65,9 @@ fn an_estimate_has_a_value_an_interval_and_its_sources_and_runs_nothing_twice() 
     let runs = found["runs"].as_array().unwrap().clone();
     assert!(runs.iter().any(|run| run["softness"].as_f64().unwrap() > 1.0), "{found:#}");
     assert!(runs.iter().any(|run| run["step_share"] == 0.5), "{found:#}");
-    for name in ["estimate.json", "estimate.svg", "estimate.png", "runs.csv", "rungs.csv", "estimate.ron"] {
+    for name in
+        ["report.html", "estimate.json", "estimate.svg", "estimate.png", "runs.csv", "rungs.csv", "estimate.ron"]
+    {
         assert!(here.path().join("out/trough-estimate").join(name).is_file(), "{name}");
     }
     // A narrower one has all runs of the first.

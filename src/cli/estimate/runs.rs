@@ -70,6 +70,7 @@ impl SiloRuns<'_> {
         self.records.push(RunRecord {
             run: self.sweep.run_name(task),
             softness: if is_first { rungs[rungs.len() - 1] } else { rungs[task.point % rungs.len()] },
+            overlaps_only: is_first,
             growth: summary["growth"].as_f64().unwrap_or(0.0),
             step_share: if task.point < rungs.len() || is_first { 1.0 } else { 0.5 },
             seed: task.seed,

@@ -13,7 +13,7 @@
 //! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
 //! | what is asked for, the answer | [`goal`], [`answer`] |
 //! | the effect of half of the step | [`step_check`] |
-//! | results: JSON, tables | [`results`] |
+//! | results: JSON, tables, words | [`results`], [`words`] |
 //! | the figure of value against softness | [`picture`] |
 //!
 //! The meaning of the interval: with the stated confidence it contains the mean of the figure over all seeds, at the stiffness and the step of the scene. The scatter of
@@ -30,7 +30,7 @@ pub mod rung;
 pub mod softening;
 pub mod softness;
 pub mod step_check;
-mod words;
+pub mod words;
 
 #[cfg(test)]
 mod coverage;

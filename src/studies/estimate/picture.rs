@@ -1,6 +1,6 @@
 //! Figures of an estimate: the figure against softness with the law, its band and all runs; the width of the interval against the cost.
 
-use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour, sheet};
+use siloflow_figures::diagram::{Axis, Curve, Key, Panel, colour};
 use siloflow_figures::statistics::extrapolation::Ladder;
 
 use crate::studies::figures::words::words;
@@ -20,23 +20,24 @@ pub struct Round {
     pub half: f64,
 }
 
-/// Returns the figure as SVG.
+/// Returns the panels of the figure.
 #[must_use]
-pub fn picture(
+pub fn panels(
     title: &str,
     figure: &str,
     ladder: &Ladder,
     answer: &Answer,
     runs: &[RunRecord],
     rounds: &[Round],
-) -> String {
-    sheet(&[against_softness(title, figure, ladder, answer, runs), against_cost(rounds)], 2)
+) -> [Panel; 2] {
+    [against_softness(title, figure, ladder, answer, runs), against_cost(rounds)]
 }
 
 fn against_softness(title: &str, figure: &str, ladder: &Ladder, answer: &Answer, runs: &[RunRecord]) -> Panel {
     let of = |is_counted: bool| {
         let softest = ladder.softness()[answer.softest];
-        let mine = runs.iter().filter(move |run| (run.softness <= softest && run.step_share >= 1.0) == is_counted);
+        let counts = move |run: &RunRecord| run.softness <= softest && run.step_share >= 1.0 && !run.overlaps_only;
+        let mine = runs.iter().filter(move |run| counts(run) == is_counted);
         mine.filter_map(|run| Some((run.softness, run.value?))).collect::<Vec<_>>()
     };
     let dots = |name: &str, number: usize, points: Vec<(f64, f64)>| Curve {
@@ -46,7 +47,7 @@ fn against_softness(title: &str, figure: &str, ladder: &Ladder, answer: &Answer,
         has_dots: true,
         ..Curve::default()
     };
-    let mut curves = vec![dots("runs", 1, of(true)), dots("too soft, or half of the step", 4, of(false))];
+    let mut curves = vec![dots("runs", 1, of(true)), dots("too soft, or for comparison", 4, of(false))];
     if let Some(fit) = answer.fit {
         let last = ladder.softness()[answer.softest].max(1.0 + 1e-9).ln();
         let softness = |n| (last * f64::from(n) / f64::from(POINTS)).exp();

@@ -22,6 +22,8 @@ pub struct RunRecord {
     pub softness: f64,
     /// Share by which its radii are larger.
     pub growth: f64,
+    /// Whether it only measured the overlaps that growth makes up for: it does not count for the value.
+    pub overlaps_only: bool,
     /// Its step over that of the other runs of this softness: 1 or 1/2.
     pub step_share: f64,
     /// Its seed.
@@ -206,12 +208,13 @@ impl Estimate {
 /// Returns a table with a row for each run.
 #[must_use]
 pub fn runs_table(runs: &[RunRecord]) -> String {
-    let mut text = String::from("run,softness,growth,step_share,seed,status,value,wall_s\n");
+    let mut text = String::from("run,softness,growth,overlaps_only,step_share,seed,status,value,wall_s\n");
     for run in runs {
         let value = run.value.map_or_else(String::new, |value| value.to_string());
-        let RunRecord { run, softness, growth, step_share, seed, status, wall_s, .. } = run;
+        let RunRecord { run, softness, growth, overlaps_only, step_share, seed, status, wall_s, .. } = run;
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{run},{softness},{growth},{step_share},{seed},{status},{value},{wall_s}");
+        let _ =
+            writeln!(text, "{run},{softness},{growth},{overlaps_only},{step_share},{seed},{status},{value},{wall_s}");
     }
     text
 }

@@ -60,33 +60,17 @@ impl Contents<'_> {
         .into_iter()
         .flatten()
         .collect();
-        let script = format!("{}\n{SCRIPT}", player::SCRIPT);
-        let mut page = head(&self.title(), &script);
-        page += "<body>\n<a class=\"skip\" href=\"#content\">Skip to the content</a>\n";
-        let _ = write!(
-            page,
-            "<header>\n<p class=\"kind\">{} of siloflow</p>\n<h1><bdi>{}</bdi></h1>\n</header>\n",
-            if self.runs.len() > 1 { "Comparison of runs" } else { "Report of a run" },
-            escape(&self.title())
-        );
-        page += &navigation(&sections);
-        page += "<main id=\"content\">\n";
-        for section in &sections {
-            page += &section.html();
-        }
-        page += "</main>\n";
+        let mut data = String::new();
         for (number, frames) in self.frames.iter().enumerate() {
             if let Ok(frames) = frames {
-                page += &frames.element(&frames_id(number));
-                page.push('\n');
+                data += &frames.element(&frames_id(number));
+                data.push('\n');
             }
         }
-        let _ = write!(
-            page,
-            "<script type=\"application/json\" id=\"summaries\">{}</script>\n<script>{script}</script>\n</body>\n</html>\n",
-            self.summaries()
-        );
-        page
+        let _ = writeln!(data, "<script type=\"application/json\" id=\"summaries\">{}</script>", self.summaries());
+        let script = format!("{}\n{SCRIPT}", player::SCRIPT);
+        let kind = if self.runs.len() > 1 { "Comparison of runs" } else { "Report of a run" };
+        Page { kind, title: &self.title(), sections: &sections, data: &data, script: &script }.html()
     }
 
     fn title(&self) -> String {
@@ -173,6 +157,46 @@ const OF_PLACES: [&str; 2] = ["profiles", "fields"];
 
 fn is_of_places(figure: &Figure) -> bool {
     OF_WALLS.contains(&&*figure.name) || OF_PLACES.contains(&&*figure.name)
+}
+
+/// A page of siloflow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Page<'a> {
+    /// Its kind, such as `Report of a run`.
+    pub kind: &'a str,
+    /// Its title, plain text.
+    pub title: &'a str,
+    /// Its sections.
+    pub sections: &'a [Section],
+    /// Elements with data for the script.
+    pub data: &'a str,
+    /// The script; empty for none.
+    pub script: &'a str,
+}
+
+impl Page<'_> {
+    /// Returns the page as HTML.
+    pub(super) fn html(&self) -> String {
+        let Self { kind, title, sections, data, script } = self;
+        let mut page = head(title, script);
+        page += "<body>\n<a class=\"skip\" href=\"#content\">Skip to the content</a>\n";
+        let _ = write!(
+            page,
+            "<header>\n<p class=\"kind\">{kind} of siloflow</p>\n<h1><bdi>{}</bdi></h1>\n</header>\n",
+            escape(title)
+        );
+        page += &navigation(sections);
+        page += "<main id=\"content\">\n";
+        for section in *sections {
+            page += &section.html();
+        }
+        page += "</main>\n";
+        page += data;
+        if !script.is_empty() {
+            let _ = writeln!(page, "<script>{script}</script>");
+        }
+        page + "</body>\n</html>\n"
+    }
 }
 
 fn head(title: &str, script: &str) -> String {

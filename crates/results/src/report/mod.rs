@@ -2,6 +2,7 @@
 //!
 //! * [`run`]: a run as far as its files go.
 //! * [`document`]: the page. Each section has a file of its own: [`overview`], [`accounting`], [`discharge`], ...
+//! * [`estimate`]: the page of an estimate.
 //! * [`player`]: the frames of a run, played in the browser.
 //! * [`html`]: escapes, and numbers with units. [`sheet`]: tables of quantities by run.
 //!
@@ -13,6 +14,7 @@ pub mod differences;
 pub mod discharge;
 pub mod document;
 pub mod energy;
+pub mod estimate;
 pub mod html;
 pub mod overview;
 pub mod player;
