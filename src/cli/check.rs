@@ -137,6 +137,11 @@ fn describe(loaded: &Loaded, text: &mut String) {
         text,
         "start             {grains} grains, {fixed} wall grains of `fill`, about {megabytes:.1} MB of memory"
     );
+    let bodies = loaded.scene.fill.iter().filter(|fill| fill.fixed && fill.shape.is_some());
+    let bodies: u32 = bodies.filter_map(|fill| fill.size(loaded.scene.space)).sum();
+    if bodies > 0 {
+        let _ = writeln!(text, "fixed shapes      {bodies} grains, each sphere of which is a wall grain or a wall");
+    }
     describe_meshes(loaded, text);
     if let Some(dt) = expected::known_step(loaded) {
         let steps = loaded.scene.until.get() / dt;

@@ -11,6 +11,10 @@
 //! [`MOST_TRIES`] places in vain, the fill ends, and the scene is refused with the number that was reached. Equal discs reach at most 0.547 of
 //! the area (Feder 1980, J. Theor. Biol. 87, 237), equal spheres 0.385 of the volume (Cooper 1988, Phys. Rev. A 38, 522); such dense fills
 //! take many tries.
+//!
+//! With `fixed: true` the grains never move by forces. A fixed grain with a shape is a set of fixed spheres: each of them is a wall grain of its
+//! own, and stands where the orientation of the grain puts it. With a `name`, or as a door, these spheres are walls, like a `Sphere` of
+//! `walls` with this name.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +22,9 @@ use crate::grains::MOST_GRAINS;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::occupied::Occupied;
-use crate::grains::shaped::{OrientationLaw, Posture, ShapeNames, Shaped, largest_reach, reach};
+use crate::grains::shaped::{
+    OrientationLaw, Posture, ShapeNames, Shaped, SizeRange, largest_reach, reach, size_ranges,
+};
 use crate::grains::sizes::{GrainSize, RadiusLaw};
 use crate::random::Stream;
 use siloflow_dem::particle::{GrainId, Species};
@@ -59,9 +65,15 @@ pub struct Fill {
     pub velocity: Option<FiniteVector>,
     /// Half-widths of a uniform random velocity, m/s. Default 0.
     pub agitation: Option<FiniteVector>,
-    /// Whether the grains are fixed wall grains.
+    /// Whether the grains are fixed: each is a wall grain, or with a `shape` as many as it has spheres.
     #[serde(default)]
     pub fixed: bool,
+    /// Name of fixed grains, which are walls then, for `motions` and `doors`; walls and other fills may share it. Default: none.
+    pub name: Option<String>,
+    /// Whether fixed grains are part of the door of the key `door`. They are walls then, which vanish when the door opens, and grains that
+    /// pass through their places are out.
+    #[serde(default)]
+    pub door: bool,
     /// Species of the first size of `radius`. Default 0.
     #[serde(default)]
     pub species: u8,
@@ -82,7 +94,7 @@ pub enum Placement {
 /// Most places that a random fill draws in vain for one grain.
 pub const MOST_TRIES: u32 = 20_000;
 
-/// A wall grain of the scene.
+/// A wall grain of the scene: a fixed grain, or a sphere of one with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedGrain {
     /// Centre, m.
@@ -143,6 +155,18 @@ impl Fill {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
         let size = (wanted <= f64::from(MOST_GRAINS)).then_some(wanted as u32);
         size
+    }
+
+    /// Whether the fixed grains are walls with a name, or a door.
+    #[must_use]
+    pub fn makes_walls(&self) -> bool {
+        self.name.is_some() || self.door
+    }
+
+    /// Returns the number of spheres of the grain that has most.
+    #[must_use]
+    pub fn most_spheres(&self) -> usize {
+        size_ranges(&self.radius, self.shaped.as_ref()).iter().map(SizeRange::count).max().unwrap_or(1)
     }
 
     /// Returns whether the grains depend on the seed.

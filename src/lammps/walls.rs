@@ -57,7 +57,7 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
     let surfaces = loaded.scene.walls.iter().enumerate().filter(|(_, wall)| wall.is_surface());
     let mut with_edges = 0;
     for (number, (index, wall)) in (1..).zip(surfaces) {
-        let key = format!("walls[{index}]");
+        let key = loaded.key_of_wall(index);
         let region = region(loaded, &wall.shape, &key, number)?;
         if wall.shape.moves_in_place() && Leaf::of(loaded, wall).is_some() {
             let message = "a door that moves and has a velocity or spin of its own is not written";

@@ -160,6 +160,7 @@ fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded,
         grains: Vec::new(),
         contacts_at_start: RememberedContacts::default(),
         fixed: Vec::new(),
+        walls_of_fills: Vec::new(),
         notes: Vec::new(),
         shapes: Shapes::default(),
     };

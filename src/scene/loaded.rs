@@ -40,6 +40,8 @@ pub struct Loaded {
     pub contacts_at_start: RememberedContacts,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
+    /// For each wall at the end of `scene.walls` that is a sphere of a fixed grain, the number of its fill.
+    pub walls_of_fills: Vec<usize>,
     /// Warnings about parts of the state of another run, from which the scene starts, that were left out.
     pub notes: Vec<Warning>,
     /// The shapes of grains.

@@ -36,6 +36,7 @@ mod export;
 mod faults;
 mod feeds;
 mod fields;
+mod fixed_shapes;
 mod frame_data;
 mod friction_scenes;
 mod from_other_walls;

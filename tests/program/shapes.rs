@@ -58,12 +58,6 @@ fn wrong_keys_are_refused_with_their_place_and_the_reason() {
         (format!("inertia: Sphere, fill: [({fill}, shape: \"rod\")]"), "scene::shape", "follow from the shapes"),
         (format!("integrator: ExplicitEuler, fill: [({fill}, shape: \"rod\")]"), "scene::shape", "do not turn"),
         (
-            "fill: [(low: (0.0, 0.0, 0.0), high: (0.1, 0.1, 0.1), spacing: 0.05, fixed: true, shape: \"rod\")]"
-                .to_owned(),
-            "scene::shape",
-            "spheres",
-        ),
-        (
             format!("periodic: (x: (0.0, 0.05)), fill: [({fill}, shape: \"rod\")]"),
             "scene::box_too_small",
             "could touch another twice",

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::space::{Solid, Space, Vector};
+use crate::space::{Dimension, Solid, Space, Vector};
 
 macro_rules! checked_number {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $holds:expr) => {
@@ -160,6 +160,12 @@ impl FiniteVector {
     #[must_use]
     pub fn padded(self) -> Solid {
         self.padded
+    }
+
+    /// The vector of a scene in this space with these components; `None` if one of them is not finite.
+    #[must_use]
+    pub fn of(padded: Solid, space: Dimension) -> Option<Self> {
+        padded.is_finite().then(|| Self { padded, count: space.count() })
     }
 
     /// Number of components given.

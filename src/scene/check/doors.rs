@@ -1,6 +1,9 @@
 //! Warnings about doors through which no grain can leave, or be counted.
 
+use std::collections::BTreeMap;
+
 use crate::scene::loaded::Loaded;
+use siloflow_dem::space::{Dimension, Solid};
 use siloflow_dem::walls::enclosure::Enclosure;
 use siloflow_text::fault::Warning;
 
@@ -28,8 +31,9 @@ pub(super) fn examine(loaded: &Loaded, radius: f64, warnings: &mut Vec<Warning>)
 
 /// The free width of the narrowest door, m: between the wall discs that flank it, or of a surface; `None` without a door.
 pub(super) fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
-    let doors = loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some());
-    let surfaces = doors.filter_map(|wall| wall.shape.width());
+    let own = loaded.scene.walls.len() - loaded.walls_of_fills.len();
+    let doors = loaded.scene.walls[..own].iter().filter(|wall| loaded.scene.door_of(wall).is_some());
+    let surfaces = doors.filter_map(|wall| wall.shape.width()).chain(widths_of_fills(loaded, own));
     let discs = loaded.wall_discs();
     let orifice = if loaded.silo.door.is_empty() {
         None
@@ -39,6 +43,24 @@ pub(super) fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
     let radius_at = |x| discs.iter().find(|disc| disc.centre == x).map_or(0.0, |disc| disc.radius);
     let between = orifice.map(|link| link.from.distance(link.to) - radius_at(link.from) - radius_at(link.to));
     surfaces.chain(between).reduce(f64::min)
+}
+
+/// The widths of doors of fixed grains, m: of the box round all spheres of a door. Walls from the number `first` on are such spheres.
+fn widths_of_fills(loaded: &Loaded, first: usize) -> impl Iterator<Item = f64> {
+    let mut boxes: BTreeMap<u16, [Solid; 2]> = BTreeMap::new();
+    for wall in &loaded.scene.walls[first..] {
+        if let Some((door, [low, high])) = loaded.scene.door_of(wall).zip(wall.bounds()) {
+            let whole = boxes.entry(door).or_insert([low, high]);
+            *whole = [whole[0].min(low), whole[1].max(high)];
+        }
+    }
+    // The smallest extent is the thickness; in the plane there is only one other.
+    let across = if loaded.scene.space == Dimension::Plane { 2 } else { 1 };
+    boxes.into_values().map(move |[low, high]| {
+        let mut extents = (high - low).to_array();
+        extents.sort_unstable_by(f64::total_cmp);
+        extents[across]
+    })
 }
 
 /// Whether a door of discs is flanked by wall discs, or there is no such door.

@@ -7,7 +7,9 @@ use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::periodic::Periodic;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
-use siloflow_dem::walls::config::WallGrain;
+use siloflow_dem::values::{FiniteVector, Positive};
+use siloflow_dem::walls::config::shape::WallShape;
+use siloflow_dem::walls::config::{Wall, WallGrain};
 use siloflow_dem::walls::surfaces::Surfaces;
 use siloflow_text::fault::Fault;
 
@@ -23,19 +25,37 @@ impl Loaded {
                 (Placement::Random, Dimension::Plane) => self.random_fill::<Plane>(fill, number)?,
                 (Placement::Random, Dimension::Solid) => self.random_fill::<Solid>(fill, number)?,
             };
-            if fill.fixed {
-                self.fixed.extend(rows.into_iter().map(|row| FixedGrain {
-                    position: row.position,
-                    radius: row.radius,
-                    velocity: row.velocity,
-                    species: row.species,
-                }));
-            } else {
+            if !fill.fixed {
                 self.grains.extend(rows);
+            } else if fill.makes_walls() {
+                let walls: Vec<_> =
+                    self.spheres_of_all(&rows).filter_map(|sphere| self.wall_of(&sphere, fill)).collect();
+                self.walls_of_fills.extend(walls.iter().map(|_| number));
+                self.scene.walls.extend(walls);
+            } else {
+                let spheres: Vec<_> = self.spheres_of_all(&rows).collect();
+                self.fixed.extend(spheres);
             }
         }
         self.scene.fill = fills;
         Ok(())
+    }
+
+    /// All spheres of fixed grains, grain by grain in the order of the shape.
+    fn spheres_of_all(&self, rows: &[GrainRow]) -> impl Iterator<Item = FixedGrain> {
+        rows.iter().flat_map(|row| {
+            let sphere =
+                |(position, radius)| FixedGrain { position, radius, velocity: row.velocity, species: row.species };
+            self.spheres_of(row).into_iter().map(sphere)
+        })
+    }
+
+    /// The wall that a sphere of a fixed grain is. `None` if it has no radius or no place that a double can hold.
+    fn wall_of(&self, sphere: &FixedGrain, fill: &Fill) -> Option<Wall> {
+        let FixedGrain { position, radius, species, .. } = *sphere;
+        let centre = FiniteVector::of(position, self.scene.space)?;
+        let shape = WallShape::Disc { centre, radius: Positive::try_from(radius).ok()? };
+        Some(Wall { shape, species: species.0, name: fill.name.clone(), door: fill.door })
     }
 
     /// Creates the grains of a random fill: free of all grains and walls so far.

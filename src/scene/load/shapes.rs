@@ -48,11 +48,6 @@ impl Loaded {
                 key: format!("fill[{index}]"),
             };
             let Resolved { shaped, radius } = self.resolve(&keys)?;
-            if shaped.is_some() && fill.fixed {
-                return Err(self
-                    .fault("scene::shape", &format!("fill[{index}].fixed"), "fixed grains of a fill are spheres")
-                    .help("leave out `shape`, or `fixed`; a behaviour may fix shaped grains with `Fixed`"));
-            }
             (self.scene.fill[index].shaped, self.scene.fill[index].radius) = (shaped, radius);
         }
         for index in 0..self.scene.feed.len() {

@@ -60,7 +60,11 @@ pub fn started_from(
     }
     // Random numbers of a fill depend on its number, so that fills without grains hold the places of the others.
     let count = loaded.scene.fill.iter().rposition(|fill| fill.fixed).map_or(0, |last| last + 1);
-    let keep = |fill: &Fill| if fill.fixed { fill.clone() } else { Fill { count: Some(0), ..fill.clone() } };
+    // The radii of a fill with a `scale` are known by now, and a fill has only one of the two.
+    let keep = |fill: &Fill| {
+        let count = if fill.fixed { fill.count } else { Some(0) };
+        Fill { count, scale: None, ..fill.clone() }
+    };
     let fixed: Vec<_> = loaded.scene.fill[..count].iter().map(keep).collect();
     let fill = ron::to_string(&fixed).map_err(|error| Fault::new("scene::fill", error.to_string()))?;
     let mut more = settings.to_vec();

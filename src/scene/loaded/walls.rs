@@ -26,6 +26,16 @@ impl Loaded {
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
     }
 
+    /// The key of a wall: its entry in `walls`, or the fill whose grain it is a sphere of.
+    #[must_use]
+    pub fn key_of_wall(&self, index: usize) -> String {
+        let own = self.scene.walls.len() - self.walls_of_fills.len();
+        match index.checked_sub(own).and_then(|number| self.walls_of_fills.get(number)) {
+            Some(fill) => format!("fill[{fill}]"),
+            None => format!("walls[{index}]"),
+        }
+    }
+
     /// Whether a wall surface is a door.
     #[must_use]
     pub fn has_door_surface(&self) -> bool {

@@ -27,8 +27,10 @@ pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .help("corners are in m"));
         }
         placement(loaded, index, fill)?;
+        walls(loaded, index, fill)?;
         let size = fill.size(scene.space).map_or(usize::MAX, |size| size as usize);
-        total = total.saturating_add(size);
+        // Each sphere of a fixed grain is a wall grain.
+        total = total.saturating_add(size.saturating_mul(if fill.fixed { fill.most_spheres() } else { 1 }));
         if total > MOST_GRAINS as usize {
             return Err(too_many(loaded, index, fill));
         }
@@ -71,6 +73,27 @@ fn placement(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
             .help("remove it, or write `place: Lattice`")),
         None => Ok(()),
     }
+}
+
+/// Fixed grains that are walls need no velocity, and grains that move are no walls.
+fn walls(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
+    if !fill.makes_walls() {
+        return Ok(());
+    }
+    let name = if fill.name.is_some() { "name" } else { "door" };
+    let moving = [("velocity", fill.velocity.is_some()), ("agitation", fill.agitation.is_some())];
+    let (key, message, help) = if !fill.fixed {
+        (name, "only fixed grains have a name or are a door", "add `fixed: true`, or remove this key")
+    } else if let Some((key, _)) = moving.into_iter().find(|(_, is_given)| *is_given) {
+        (
+            key,
+            "fixed grains with a name, or of a door, are walls, which have no velocity of their own",
+            "remove it, and move the walls of this name by `motions`",
+        )
+    } else {
+        return Ok(());
+    };
+    Err(loaded.fault("scene::fixed_grains", &format!("fill[{index}].{key}"), message).help(help))
 }
 
 /// The grains of the start must fit into the memory that is available.

@@ -19,7 +19,7 @@ fn images_in<V: Space>(loaded: &Loaded) -> Result<(), Fault> {
     for (index, wall) in loaded.scene.walls.iter().enumerate() {
         loaded.images(wall, &wall.surfaces::<V>(0), largest).map_err(|problem| {
             let message = format!("this wall cannot be repeated beyond the periodic sides: {problem}");
-            loaded.fault("scene::wall_at_side", &format!("walls[{index}]"), message).help(
+            loaded.fault("scene::wall_at_side", &loaded.key_of_wall(index), message).help(
                 "let it end more than a grain's radius before the side, give it a motion along or about the periodic axis, or \
                  leave the side open",
             )

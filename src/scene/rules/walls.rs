@@ -93,7 +93,7 @@ pub(super) fn names(loaded: &Loaded) -> Result<(), Fault> {
         if name.is_empty() || name.chars().count() > 60 || !name.chars().all(is_plain) {
             let message = format!("{name:?} is no name of a wall");
             return Err(loaded
-                .fault("scene::wall_name", &format!("walls[{index}].name"), message)
+                .fault("scene::wall_name", &format!("{}.name", loaded.key_of_wall(index)), message)
                 .help("give 1 to 60 letters, digits, blanks, or characters of `-_.`"));
         }
     }
@@ -102,16 +102,20 @@ pub(super) fn names(loaded: &Loaded) -> Result<(), Fault> {
 
 /// The walls and wall grains are not too many.
 pub(super) fn discs(loaded: &Loaded) -> Result<(), Fault> {
+    let of_fills = loaded.walls_of_fills.len();
+    // Number of walls or wall grains by key, and whether they are only wall grains, which in solid space have no outline.
     let counts = [
-        ("silo.file", loaded.silo.wall.len() + loaded.silo.door.len()),
-        ("fill", loaded.fixed.len()),
-        ("walls", loaded.scene.walls.len()),
+        ("silo.file", loaded.silo.wall.len() + loaded.silo.door.len(), true),
+        ("fill", loaded.fixed.len(), true),
+        ("fill", of_fills, false),
+        ("walls", loaded.scene.walls.len() - of_fills, false),
     ];
-    let total: usize = counts.iter().map(|(_, count)| count).sum();
-    let Some((key, _)) = counts.into_iter().max_by_key(|(_, count)| *count).filter(|_| total > MOST_WALL_DISCS) else {
+    let total: usize = counts.iter().map(|(_, count, _)| count).sum();
+    let most = counts.into_iter().max_by_key(|(_, count, _)| *count);
+    let Some((key, _, are_grains)) = most.filter(|_| total > MOST_WALL_DISCS) else {
         return Ok(());
     };
-    if loaded.scene.space == Dimension::Solid && key != "walls" {
+    if loaded.scene.space == Dimension::Solid && are_grains {
         return Ok(());
     }
     let message = format!("{total} walls and wall grains are more than the limit of {MOST_WALL_DISCS}");

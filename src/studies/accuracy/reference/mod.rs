@@ -179,9 +179,11 @@ pub struct Clump {
     pub members: Range<usize>,
     /// Moment of inertia about the centre, kg m^2.
     pub inertia: f64,
+    /// Initial spin, rad/s. The initial velocities of all its discs are that of the centre.
+    pub spin: f64,
 }
 
-/// Discs, floors, gravity and a contact law. Discs start without spin.
+/// Discs, floors, gravity and a contact law. Discs that are no part of a clump start without spin.
 #[derive(Clone, Debug)]
 pub struct System {
     /// Acceleration of gravity, m/s^2.
@@ -227,11 +229,19 @@ impl System {
     /// Returns the state at time 0.
     #[must_use]
     pub fn start(&self) -> State {
-        State {
+        let mut state = State {
             x: self.discs.iter().map(|disc| disc.x).collect(),
             v: self.discs.iter().map(|disc| disc.v).collect(),
             w: vec![0.0; self.discs.len()],
+        };
+        for clump in &self.clumps {
+            state.w[clump.centre] = clump.spin;
+            for i in clump.members.clone() {
+                state.v[i] += (state.x[i] - state.x[clump.centre]).perp() * clump.spin;
+                state.w[i] = clump.spin;
+            }
         }
+        state
     }
 
     /// Returns the sum of kinetic, gravitational and elastic energy, J, with all floors at their `point`. Elastic energy counts linear normal springs only.
