@@ -4,11 +4,15 @@
 //! of execution. The cost of run conditions counts for their system. A reading costs about 50 ns, and a step has about
 //! thirty.
 
+#![allow(dead_code, reason = "each benchmark uses a part of it")]
+
 use std::time::{Duration, Instant};
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SystemKey;
 use siloflow::dem::step;
+use siloflow::dem::threads::Threads;
+use siloflow::dem::threads::trace::Passes;
 use siloflow::prelude::*;
 
 /// Parts of a step that are distinguished.
@@ -50,18 +54,24 @@ pub struct Stopwatch {
     pub systems: Vec<Entry>,
     /// Time of each system since the last call of [`reset`](Self::reset).
     pub spent: Vec<Duration>,
+    /// Passes that threads share in each system since then, if the threads have a trace.
+    pub passes: Vec<Passes>,
     last: Instant,
+    last_passes: Passes,
 }
 
 impl Stopwatch {
-    fn lap(&mut self, system: usize) {
+    fn lap(&mut self, system: usize, passes: Passes) {
         let now = Instant::now();
         self.spent[system] += now - std::mem::replace(&mut self.last, now);
+        let new = passes.since(std::mem::replace(&mut self.last_passes, passes));
+        self.passes[system] = sum([self.passes[system], new]);
     }
 
     /// Sets all times to zero.
     pub fn reset(&mut self) {
         self.spent.fill(Duration::ZERO);
+        self.passes.fill(Passes::default());
     }
 
     /// Returns the time in all systems.
@@ -79,13 +89,29 @@ impl Stopwatch {
             .sum()
     }
 
+    /// Returns the passes in a part, given by its number in [`PARTS`].
+    pub fn passes_of(&self, part: usize) -> Passes {
+        sum(self.systems.iter().zip(&self.passes).filter(|(entry, _)| entry.part == Some(part)).map(|(_, &it)| it))
+    }
+
     /// Returns the time in systems with this name.
     pub fn system(&self, name: &str) -> Duration {
         self.systems.iter().zip(&self.spent).filter(|(entry, _)| entry.name == name).map(|(_, &spent)| spent).sum()
     }
 }
 
-fn start(mut watch: ResMut<Stopwatch>) {
+/// Returns the sum of passes.
+pub fn sum(all: impl IntoIterator<Item = Passes>) -> Passes {
+    all.into_iter().fold(Passes::default(), |a, b| Passes {
+        count: a.count + b.count,
+        wall: a.wall + b.wall,
+        work: a.work + b.work,
+        longest: a.longest + b.longest,
+    })
+}
+
+fn start(mut watch: ResMut<Stopwatch>, threads: Res<Threads>) {
+    watch.last_passes = threads.passes();
     watch.last = Instant::now();
 }
 
@@ -121,13 +147,16 @@ pub fn put_into(simulation: &mut Simulation) {
             .unzip();
         schedule.add_systems(start.before(sets[0]));
         for (n, &set) in sets.iter().enumerate() {
-            let stop = (move |mut watch: ResMut<Stopwatch>| watch.lap(n)).after(set);
+            let lap = move |mut watch: ResMut<Stopwatch>, threads: Res<Threads>| watch.lap(n, threads.passes());
+            let stop = lap.after(set);
             match sets.get(n + 1) {
                 Some(&next) => schedule.add_systems(stop.before(next)),
                 None => schedule.add_systems(stop),
             };
         }
         let spent = vec![Duration::ZERO; entries.len()];
-        world.insert_resource(Stopwatch { systems: entries, spent, last: Instant::now() });
+        let passes = vec![Passes::default(); entries.len()];
+        let last_passes = Passes::default();
+        world.insert_resource(Stopwatch { systems: entries, spent, passes, last: Instant::now(), last_passes });
     });
 }

@@ -7,6 +7,8 @@
 //! stays awake after a pass, polls for more work, and sleeps after 2 ms without any. A thread that needs results of
 //! helpers polls too. Polling threads yield their core to other threads.
 
+pub mod trace;
+
 use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -16,6 +18,8 @@ use std::time::{Duration, Instant};
 
 use bevy_ecs::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder, Yield};
+
+use self::trace::{PassClock, Passes, Trace};
 
 /// How long a thread without work polls before it sleeps. The single-threaded parts of a step take less time, except a
 /// rebuilt list of many grains or a row of measurements.
@@ -31,6 +35,8 @@ struct Pool {
     pool: Arc<ThreadPool>,
     /// Whether some threads may be asleep.
     may_sleep: Arc<AtomicBool>,
+    /// The times of passes, if a benchmark wants them.
+    trace: Option<Arc<Trace>>,
 }
 
 impl Threads {
@@ -43,13 +49,25 @@ impl Threads {
             return Ok(Self::one());
         }
         let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count.get()).build()?);
-        Ok(Self(Some(Pool { pool, may_sleep: Arc::new(AtomicBool::new(true)) })))
+        Ok(Self(Some(Pool { pool, may_sleep: Arc::new(AtomicBool::new(true)), trace: None })))
     }
 
     /// Creates a single thread.
     #[must_use]
     pub fn one() -> Self {
         Self(None)
+    }
+
+    /// Returns these threads with a trace of their passes. A single thread has no passes.
+    #[must_use]
+    pub fn traced(self) -> Self {
+        Self(self.0.map(|pool| Pool { trace: Some(Arc::default()), ..pool }))
+    }
+
+    /// Returns the passes so far; none without a trace.
+    #[must_use]
+    pub fn passes(&self) -> Passes {
+        self.0.as_ref().and_then(|pool| pool.trace.as_ref()).map(|trace| trace.passes()).unwrap_or_default()
     }
 
     /// Number of threads.
@@ -82,6 +100,7 @@ impl Threads {
 impl Pool {
     /// Runs all jobs. Not generic, so that it is compiled once.
     fn share(&self, jobs: Vec<&mut dyn Run>) {
+        let clock = self.trace.as_ref().map(|_| Trace::begin(self.pool.current_num_threads()));
         self.wake();
         let open_jobs = AtomicUsize::new(jobs.len());
         self.pool.in_place_scope(|scope| {
@@ -89,20 +108,32 @@ impl Pool {
             let own = jobs.next();
             for job in jobs {
                 let job_end = JobEnd(&open_jobs);
+                let clock = clock.as_ref();
                 scope.spawn(move |_| {
-                    job.run();
+                    self.run_job(job, clock);
                     drop(job_end);
                 });
             }
             if let Some(job) = own {
                 let job_end = JobEnd(&open_jobs);
-                job.run();
+                self.run_job(job, clock.as_ref());
                 drop(job_end);
             }
             while open_jobs.load(Ordering::Acquire) > 0 {
                 self.run_pending_job();
             }
         });
+        if let Some((trace, clock)) = self.trace.as_ref().zip(clock) {
+            trace.end(clock);
+        }
+    }
+
+    /// Runs a job, timed if there is a clock.
+    fn run_job(&self, job: &mut dyn Run, clock: Option<&PassClock>) {
+        match clock {
+            None => job.run(),
+            Some(clock) => clock.time(self.pool.current_thread_index().unwrap_or(0), || job.run()),
+        }
     }
 
     /// Runs a pending job, or else yields the core. Returns whether it ran a job.
@@ -212,6 +243,23 @@ mod tests {
                 thread::yield_now();
             }
         }
+    }
+
+    #[test]
+    fn a_trace_has_the_work_of_all_threads() {
+        let threads = threads(2).traced();
+        let before = threads.passes();
+        let busy = || {
+            let begin = Instant::now();
+            while begin.elapsed() < Duration::from_millis(2) {}
+        };
+        threads.share([busy, busy, busy]);
+        let passes = threads.passes().since(before);
+        assert_eq!(passes.count, 1);
+        assert!(passes.work >= Duration::from_millis(6), "{passes:?}");
+        // One of two threads has at least half of the work, and no thread more than the pass lasts.
+        assert!(2 * passes.longest >= passes.work && passes.longest <= passes.wall, "{passes:?}");
+        assert_eq!(self::threads(2).passes(), Passes::default());
     }
 
     #[test]

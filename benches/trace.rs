@@ -1,0 +1,148 @@
+#![allow(missing_docs, reason = "a program")]
+#![allow(clippy::print_stdout, reason = "a benchmark prints")]
+//! Where the threads of a step spend their time, and what more cores would gain.
+//!
+//! ```sh
+//! cargo bench --bench trace              # two threads
+//! cargo bench --bench trace -- 4
+//! ```
+//!
+//! For each bed of `crystal` a table has a row for each phase, in microseconds per step:
+//!
+//! | column | meaning |
+//! |---|---|
+//! | 1 thread | time of the phase with one thread |
+//! | n threads | the same with n threads: the sum of the next three |
+//! | passes | the work of the busiest thread in passes that threads share |
+//! | joining | the rest of the passes: waking, handing out, and waiting for the last thread |
+//! | serial | time outside passes, in which one thread works |
+//! | idle | time of all threads in passes without work |
+//! | number | passes in a step |
+//!
+//! The *model* says how many times faster n threads would be than one: time(n) = serial + work/n + number of passes x joining of a pass. Its assumptions:
+//! work is shared evenly, memory serves all cores as it serves the measured ones, and joining takes as long whatever the number of threads.
+//!
+//! A stopwatch between systems costs about 50 ns each, some 30 times in a step. It is part of `serial`. The last line has whole steps without it.
+
+mod crystal;
+mod stopwatch;
+
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+use siloflow::dem::threads::Threads;
+use siloflow::dem::threads::trace::Passes;
+use stopwatch::{PARTS, Stopwatch};
+
+use self::crystal::{Crystal, run_further};
+
+/// Numbers of threads of the model.
+const MODELLED: [u32; 6] = [2, 4, 8, 16, 32, 64];
+
+/// The time of a phase, or of a step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spent {
+    whole: Duration,
+    passes: Passes,
+}
+
+/// The phases of a bed with a number of threads, and the time of a whole step without the stopwatch.
+struct Trace {
+    parts: Vec<Spent>,
+    bare: Duration,
+}
+
+/// A bed in so many steps.
+#[derive(Clone, Copy)]
+struct Bed {
+    crystal: Crystal,
+    steps: u32,
+}
+
+impl Bed {
+    fn trace(self, threads: NonZeroUsize) -> Trace {
+        let fresh = || {
+            let mut simulation = self.crystal.simulation();
+            let threads = Threads::new(threads).expect("the system starts threads").traced();
+            simulation.world_mut().insert_resource(threads);
+            simulation
+        };
+        let mut bare = fresh();
+        run_further(&mut bare, u64::from(self.steps / 10));
+        let begin = Instant::now();
+        run_further(&mut bare, u64::from(self.steps));
+        let bare = begin.elapsed() / self.steps;
+        let mut simulation = fresh();
+        stopwatch::put_into(&mut simulation);
+        run_further(&mut simulation, u64::from(self.steps / 10));
+        simulation.world_mut().resource_mut::<Stopwatch>().reset();
+        run_further(&mut simulation, u64::from(self.steps));
+        let watch = simulation.world().resource::<Stopwatch>();
+        let parts = (0..PARTS.len()).map(|part| Spent { whole: watch.part(part), passes: watch.passes_of(part) });
+        Trace { parts: parts.collect(), bare }
+    }
+
+    /// Time of a step, us.
+    fn each(self, time: Duration) -> f64 {
+        time.as_secs_f64() * 1e6 / f64::from(self.steps)
+    }
+
+    fn row(self, name: &str, one: Duration, many: Spent, threads: u32) {
+        let Spent { whole, passes } = many;
+        let joining = passes.wall.saturating_sub(passes.longest);
+        let serial = whole.saturating_sub(passes.wall);
+        let idle = (passes.wall * threads).saturating_sub(passes.work);
+        let columns = [one, whole, passes.longest, joining, serial, idle].map(|time| self.each(time));
+        let columns: String = columns.iter().map(|column| format!("{column:>10.2}")).collect();
+        let number = real(passes.count) / f64::from(self.steps);
+        println!("{columns}{number:>9.1}  {name}");
+    }
+}
+
+fn table(name: &str, bed: Bed, threads: NonZeroUsize) {
+    let count = u32::try_from(threads.get()).expect("fewer than 2^32 threads");
+    let one = bed.trace(NonZeroUsize::MIN);
+    let many = bed.trace(threads);
+    println!("\n{name}: {} grains, {} steps, {count} threads; microseconds per step", bed.crystal.grains, bed.steps);
+    let heads = ["1 thread", &format!("{count} threads"), "passes", "joining", "serial", "idle"]
+        .map(|head| format!("{head:>10}"));
+    println!("{}   number", heads.concat());
+    for ((part, _), (one, many)) in PARTS.iter().zip(one.parts.iter().zip(&many.parts)) {
+        bed.row(part, one.whole, *many, count);
+    }
+    let whole = |trace: &Trace| trace.parts.iter().map(|part| part.whole).sum::<Duration>();
+    let passes = stopwatch::sum(many.parts.iter().map(|part| part.passes));
+    bed.row("all", whole(&one), Spent { whole: whole(&many), passes }, count);
+    let gain = one.bare.as_secs_f64() / many.bare.as_secs_f64();
+    let us = |time: Duration| time.as_secs_f64() * 1e6;
+    println!("whole steps without the stopwatch: {:.2} and {:.2}, gain {gain:.2}", us(one.bare), us(many.bare));
+    model(bed, whole(&many), passes);
+}
+
+/// Prints the gain of more threads.
+fn model(bed: Bed, whole: Duration, passes: Passes) {
+    let serial = bed.each(whole.saturating_sub(passes.wall));
+    let work = bed.each(passes.work);
+    let joining = bed.each(passes.wall.saturating_sub(passes.longest));
+    let gain = |threads: u32| (serial + work) / (serial + work / f64::from(threads) + joining);
+    let gains: String = MODELLED.iter().map(|&threads| format!("  {threads}: {:.1}", gain(threads))).collect();
+    println!("model: serial {serial:.1}, work {work:.1}, joining {joining:.1}; gain of threads{gains}");
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of passes")]
+fn real(count: u64) -> f64 {
+    count as f64
+}
+
+fn main() {
+    let wanted = std::env::args().skip(1).find_map(|argument| argument.parse().ok());
+    let threads = wanted.unwrap_or(const { NonZeroUsize::new(2).expect("2 is not 0") });
+    let beds = [
+        ("discs", Bed { crystal: Crystal::of(false, 10_000), steps: 4000 }),
+        ("frictional spheres", Bed { crystal: Crystal::of(true, 10_000), steps: 1000 }),
+        ("frictional spheres", Bed { crystal: Crystal::of(true, 100_000), steps: 100 }),
+    ];
+    for (name, bed) in beds {
+        table(name, bed, threads);
+    }
+}
