@@ -62,9 +62,11 @@ struct Bed {
 impl Bed {
     fn trace(self, threads: NonZeroUsize) -> Trace {
         let fresh = || {
-            let mut simulation = self.crystal.simulation();
+            // Before the first step, which shares out the neighbour list.
+            let mut simulation = self.crystal.fresh();
             let threads = Threads::new(threads).expect("the system starts threads").traced();
             simulation.world_mut().insert_resource(threads);
+            simulation.run_steps(5);
             simulation
         };
         let mut bare = fresh();
