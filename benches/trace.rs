@@ -63,11 +63,8 @@ impl Bed {
     fn trace(self, threads: NonZeroUsize) -> Trace {
         let fresh = || {
             // Before the first step, which shares out the neighbour list.
-            let mut simulation = self.crystal.fresh();
             let threads = Threads::new(threads).expect("the system starts threads").traced();
-            simulation.world_mut().insert_resource(threads);
-            simulation.run_steps(5);
-            simulation
+            self.crystal.simulation_with(threads)
         };
         let mut bare = fresh();
         run_further(&mut bare, u64::from(self.steps / 10));
@@ -95,7 +92,7 @@ impl Bed {
         let serial = whole.saturating_sub(passes.wall);
         let idle = (passes.wall * threads).saturating_sub(passes.work);
         let columns = [one, whole, passes.longest, joining, serial, idle].map(|time| self.each(time));
-        let columns: String = columns.iter().map(|column| format!("{column:>10.2}")).collect();
+        let columns = columns.map(|column| format!("{column:>10.2}")).concat();
         let number = real(passes.count) / f64::from(self.steps);
         println!("{columns}{number:>9.1}  {name}");
     }
@@ -127,7 +124,7 @@ fn model(bed: Bed, whole: Duration, passes: Passes) {
     let work = bed.each(passes.work);
     let joining = bed.each(passes.wall.saturating_sub(passes.longest));
     let gain = |threads: u32| (serial + work) / (serial + work / f64::from(threads) + joining);
-    let gains: String = MODELLED.iter().map(|&threads| format!("  {threads}: {:.1}", gain(threads))).collect();
+    let gains = MODELLED.map(|threads| format!("  {threads}: {:.1}", gain(threads))).concat();
     println!("model: serial {serial:.1}, work {work:.1}, joining {joining:.1}; gain of threads{gains}");
 }
 

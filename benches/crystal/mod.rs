@@ -4,9 +4,12 @@
 //! contact history. Neighbours overlap by a thousandth of a diameter. The beds have 6 and 12 contacts per grain, at
 //! least twice the number in a settled bed.
 
+#![allow(dead_code, reason = "each benchmark uses a part of it")]
+
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 
+use siloflow::dem::threads::Threads;
 use siloflow::prelude::*;
 
 /// Radius, m.
@@ -96,9 +99,15 @@ impl Crystal {
             .expect("the scene needs no behaviours")
     }
 
-    /// Returns the simulation after a few steps.
+    /// Returns the simulation after a few steps with one thread.
     pub fn simulation(self) -> Simulation {
+        self.simulation_with(Threads::one())
+    }
+
+    /// Returns the simulation after a few steps with these threads.
+    pub fn simulation_with(self, threads: Threads) -> Simulation {
         let mut simulation = self.fresh();
+        simulation.world_mut().insert_resource(threads);
         simulation.run_steps(5);
         simulation
     }

@@ -4,6 +4,7 @@ use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use siloflow::dem::bodies::Orientation;
+use siloflow::dem::math;
 use siloflow::dem::space::{Dimension, Linear, Rotor, Space};
 use siloflow::dem::step::Clock;
 use siloflow::dem::store::ParticleStore;
@@ -75,7 +76,7 @@ pub fn of_grains<'py, V: Space>(py: Python<'py>, world: &World, name: &str) -> P
                 let turn = rotor.map(|rotor| rotor.0.to_quaternion());
                 let all = turn.map_or([f64::NAN; 4], |turn| [turn.w, turn.x, turn.y, turn.z]);
                 match V::DIMENSION {
-                    Dimension::Plane => vec![2.0 * all[3].atan2(all[0])],
+                    Dimension::Plane => vec![2.0 * math::atan2(all[3], all[0])],
                     Dimension::Solid => all.to_vec(),
                 }
             };

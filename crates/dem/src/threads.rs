@@ -32,7 +32,7 @@ pub struct Threads(Option<Pool>);
 /// A pool of several threads.
 #[derive(Clone)]
 struct Pool {
-    pool: Arc<ThreadPool>,
+    threads: Arc<ThreadPool>,
     /// Whether some threads may be asleep.
     may_sleep: Arc<AtomicBool>,
     /// The times of passes, if a benchmark wants them.
@@ -48,8 +48,8 @@ impl Threads {
         if count.get() == 1 || cfg!(target_family = "wasm") {
             return Ok(Self::one());
         }
-        let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count.get()).build()?);
-        Ok(Self(Some(Pool { pool, may_sleep: Arc::new(AtomicBool::new(true)), trace: None })))
+        let threads = Arc::new(ThreadPoolBuilder::new().num_threads(count.get()).build()?);
+        Ok(Self(Some(Pool { threads, may_sleep: Arc::new(AtomicBool::new(true)), trace: None })))
     }
 
     /// Creates a single thread.
@@ -73,7 +73,7 @@ impl Threads {
     /// Number of threads.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.0.as_ref().map_or(1, |shared_pool| shared_pool.pool.current_num_threads())
+        self.0.as_ref().map_or(1, |shared_pool| shared_pool.threads.current_num_threads())
     }
 
     /// Runs all jobs, in parallel if there are several threads. Returns their results in the order of jobs.
@@ -92,7 +92,7 @@ impl Threads {
     pub fn run<R: Send>(world: &mut World, work: impl FnOnce(&mut World) -> R + Send) -> R {
         match world.resource::<Self>().0.clone() {
             None => work(world),
-            Some(shared_pool) => shared_pool.pool.install(|| work(world)),
+            Some(shared_pool) => shared_pool.threads.install(|| work(world)),
         }
     }
 }
@@ -100,10 +100,10 @@ impl Threads {
 impl Pool {
     /// Runs all jobs. Not generic, so that it is compiled once.
     fn share(&self, jobs: Vec<&mut dyn Run>) {
-        let clock = self.trace.as_ref().map(|_| Trace::begin(self.pool.current_num_threads()));
+        let clock = self.trace.as_ref().map(|_| Trace::begin(self.threads.current_num_threads()));
         self.wake();
         let open_jobs = AtomicUsize::new(jobs.len());
-        self.pool.in_place_scope(|scope| {
+        self.threads.in_place_scope(|scope| {
             let mut jobs = jobs.into_iter();
             let own = jobs.next();
             for job in jobs {
@@ -132,13 +132,13 @@ impl Pool {
     fn run_job(&self, job: &mut dyn Run, clock: Option<&PassClock>) {
         match clock {
             None => job.run(),
-            Some(clock) => clock.time(self.pool.current_thread_index().unwrap_or(0), || job.run()),
+            Some(clock) => clock.time(self.threads.current_thread_index().unwrap_or(0), || job.run()),
         }
     }
 
     /// Runs a pending job, or else yields the core. Returns whether it ran a job.
     fn run_pending_job(&self) -> bool {
-        let has_worked = self.pool.yield_now() == Some(Yield::Executed);
+        let has_worked = self.threads.yield_now() == Some(Yield::Executed);
         if !has_worked {
             thread::yield_now();
         }
@@ -148,9 +148,9 @@ impl Pool {
     /// Wakes the sleeping threads.
     fn wake(&self) {
         if self.may_sleep.swap(false, Ordering::Relaxed) {
-            let own_index = self.pool.current_thread_index();
+            let own_index = self.threads.current_thread_index();
             let shared_pool = self.clone();
-            self.pool.spawn_broadcast(move |helper| {
+            self.threads.spawn_broadcast(move |helper| {
                 if Some(helper.index()) != own_index {
                     shared_pool.poll_for_jobs();
                 }

@@ -9,22 +9,18 @@ use siloflow_results::report::estimate::{EstimatePage, Line};
 use siloflow_text::fault::Fault;
 
 /// Returns the page of the answer, with the panels of its figure and its tables, which are `runs.csv` and `rungs.csv`.
-pub(super) fn page(
-    estimate: &Estimate,
-    panels: &[Panel],
-    [runs, rungs]: &[(&str, String); 2],
-) -> Result<String, Fault> {
+pub(super) fn page(estimate: &Estimate, panels: &[Panel], tables: &[(&str, String); 2]) -> Result<String, Fault> {
     // Each panel is a drawing of its own, so that they stand below each other where the page is narrow.
     let drawings: String = panels.iter().map(|panel| sheet(slice::from_ref(panel), 1)).collect();
-    let [runs, rungs] = [runs, rungs].map(|(name, text)| Table::parse(*name, text));
+    let [every_run, by_stiffness] = tables.each_ref().map(|(name, text)| Table::parse(*name, text));
     let lines = estimate.lines().into_iter().map(|line| Line { name: line.name, words: line.words });
     let page = EstimatePage {
         title: &estimate.title(),
         lines: &lines.collect::<Vec<_>>(),
         refused: estimate.refused.as_deref(),
         drawings: &drawings,
-        rungs: Some(&rungs?),
-        runs: Some(&runs?),
+        rungs: Some(&by_stiffness?),
+        runs: Some(&every_run?),
     };
     Ok(page.html())
 }

@@ -112,7 +112,9 @@ impl Subject {
         if grows {
             points.push(points[softness.len() - 1].clone());
             keys.push(GROWTH.to_owned());
-            points.iter_mut().for_each(|point| point.values.push(format!("{own_growth}")));
+            for point in &mut points {
+                point.values.push(format!("{own_growth}"));
+            }
         }
         Self {
             name: source.name.clone(),

@@ -47,8 +47,8 @@ pub fn overlap_at_rest(run: &RunResults) -> Result<Option<f64>, Fault> {
     let (Some(rest), Some(series)) = (run.number("/rest_time_s"), run.table("series.csv")?) else { return Ok(None) };
     let [times, overlaps] = ["time_s", "mean_overlap_ratio"].map(|name| series.needed(name));
     let rows = times?.into_iter().zip(overlaps?);
-    let at_rest = rows.filter(|(time, overlap)| *time <= rest && *overlap > 0.0);
-    Ok(at_rest.map(|(_, overlap)| overlap).last())
+    let mut at_rest = rows.filter(|(time, overlap)| *time <= rest && *overlap > 0.0);
+    Ok(at_rest.next_back().map(|(_, overlap)| overlap))
 }
 
 #[cfg(test)]
