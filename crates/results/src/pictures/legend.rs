@@ -8,7 +8,6 @@ use super::shades;
 use super::style::{Colouring, Style};
 use glam::{DVec2, DVec3};
 use siloflow_figures::colour::Rgb;
-use siloflow_figures::statistics::digits::short;
 use siloflow_figures::svg::Legend;
 use siloflow_files::frames::{Frame, Header};
 
@@ -50,7 +49,10 @@ pub(super) fn rows(header: &Header, style: &Style) -> usize {
 
 pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
     let widest = style.network.unwrap_or(0.0);
-    let force = format!("contact force {widest} N, drawn from {} N on", short(bonds::WEAKEST * widest));
+    // A product such as 0.1 * 0.002 has digits of rounding.
+    let weakest = bonds::WEAKEST * widest;
+    let weakest: f64 = format!("{weakest:.5e}").parse().unwrap_or(weakest);
+    let force = format!("contact force {weakest} to {widest} N");
     let words = [force.clone(), "sliding".to_owned()];
     let entries = bonds.kinds.into_iter().zip(bonds::COLOURS).zip(words);
     let mut key: Vec<_> = entries
