@@ -52,7 +52,7 @@ pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
     // A product such as 0.1 * 0.002 has digits of rounding.
     let weakest = bonds::WEAKEST * widest;
     let weakest: f64 = format!("{weakest:.5e}").parse().unwrap_or(weakest);
-    let force = format!("contact force {weakest} to {widest} N");
+    let force = format!("force {weakest} to {widest} N");
     let words = [force.clone(), "sliding".to_owned()];
     let entries = bonds.kinds.into_iter().zip(bonds::COLOURS).zip(words);
     let mut key: Vec<_> = entries

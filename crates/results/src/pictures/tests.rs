@@ -118,9 +118,9 @@ fn bonds_take_the_short_way_and_the_key_names_the_kinds_that_occur() {
     assert!((ends[0].1 + 0.6).abs() < 1e-12 && (ends[0].2 - 0.25).abs() < 1e-12, "{ends:?}");
     assert_eq!(ends[1], (3.4, 2.5, 0.5));
     let words = |picture: Picture| picture.key.into_iter().map(|entry| entry.2).collect::<Vec<_>>();
-    assert_eq!(words(picture), ["contact force 0.4 to 4 N"]);
+    assert_eq!(words(picture), ["force 0.4 to 4 N"]);
     all.tables[1] = contacts(&[(0, 1, 2.0, 1)]);
-    assert_eq!(words(draw(&header(3), &all, &network)), ["sliding, contact force 0.4 to 4 N"]);
+    assert_eq!(words(draw(&header(3), &all, &network)), ["sliding, force 0.4 to 4 N"]);
     all.tables[1] = contacts(&[]);
     assert!(words(draw(&header(3), &all, &network)).is_empty());
 }
