@@ -253,7 +253,7 @@ fn state_of_another_scene_is_refused() {
 }
 
 /// Places where state could hide from access lists, each with the reason why it may.
-const HIDDEN: [(&str, &str); 10] = [
+const HIDDEN: [(&str, &str); 11] = [
     ("budget.rs", "the time of checks, which end before a run begins"),
     ("survey/pair_forces.rs", "Local<'s, Vec<V>>: emptied before each use"),
     ("store/renumbering.rs", "Local<u64>: decides about the order of table rows only"),
@@ -261,6 +261,7 @@ const HIDDEN: [(&str, &str); 10] = [
     ("disk.rs", "static: the observer of operations on files"),
     ("collisions.rs", "static: the collision table"),
     ("threads.rs", "atomic counters of one job"),
+    ("threads/trace.rs", "the times of passes, which only a benchmark asks for"),
     ("ending/request.rs", "the flag of signals"),
     ("simulation/stepping.rs", "the flag of signals"),
     ("cli/", "signals and progress"),

@@ -139,7 +139,7 @@ const fn figure(name: &'static str, pointer: &'static str, column: &'static str,
     KeyFigure { name, pointer, column, unit, trouble: None }
 }
 
-static FIGURES: [KeyFigure; 18] = [
+const FIGURES: &[KeyFigure] = &[
     figure("Simulated time", "/time_s", "time_s", "s"),
     figure("Steps", "/steps", "step", "steps"),
     figure("Grains released", "/grains/released", "released", "grains"),
