@@ -3,7 +3,7 @@
 ones, without and with growth.
 
     cargo build --release
-    docs/measure/growth.py [--runs 16] [--only NAME ...] [--siloflow PATH]     (about 20 minutes on one core)
+    docs/measure/growth.py [--runs 16] [--only NAME ...] [--siloflow PATH]     (less than an hour on one core)
 
 Each row is a mean over runs with different seeds, as the change from the reference in per cent, with its standard error. The growth of a stiffness is half of
 its further mean overlap at rest, over the radius, in one run without growth. Figures: `rate`, grains per second while 10 to 90 % leave; `height`,
@@ -20,6 +20,9 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+# The end of each scene.
+END = """rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02), door: (opens: AtRest), cull: (below: -0.1), until: 6.0,
+    series: (interval: 0.01), pictures: None, data_frames: None, checkpoint: None, energy_balance: false,"""
 FLAT = """(
     parameters: { "soft": 1.0, "k": "= 1e7 / soft" },
     gravity: (0.0, -9.81),
@@ -28,8 +31,7 @@ FLAT = """(
     walls: [Segment(from: (-0.1, 0.0), to: (-0.1, 1.0), name: "sides"), Segment(from: (0.1, 0.0), to: (0.1, 1.0), name: "sides"),
         Segment(from: (-0.1, 0.0), to: (-0.03, 0.0), name: "floor"), Segment(from: (0.03, 0.0), to: (0.1, 0.0), name: "floor"), Segment(from: (-0.03, 0.0), to: (0.03, 0.0), door: true)],
     fill: [(low: (-0.1, 0.0), high: (0.1, 0.9), spacing: 0.0115, count: 500, radius: Uniform(4.5e-3, 5.5e-3), agitation: (0.3, 0.3))],
-    rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02), door: (opens: AtRest), cull: (below: -0.1), until: 6.0, stop: [Out(330)],
-    series: (interval: 0.01), pictures: None, data_frames: None, checkpoint: None, energy_balance: false,
+    stop: [Out(330)], END
     wall_bands: [(walls: "sides", low: 0.0, high: 0.15, bins: 1, sample: 0.005, average: 0.05), ],
 )"""
 WEDGE = """(
@@ -40,8 +42,7 @@ WEDGE = """(
     walls: [Segment(from: (-0.1, 0.0), to: (-0.1, 1.0), name: "sides"), Segment(from: (0.1, 0.0), to: (0.1, 1.0), name: "sides"),
         Segment(from: (-0.1, 0.1), to: (-0.04, 0.0), name: "floor"), Segment(from: (0.04, 0.0), to: (0.1, 0.1), name: "floor"), Segment(from: (-0.04, 0.0), to: (0.04, 0.0), door: true)],
     fill: [(low: (-0.1, 0.1), high: (0.1, 1.0), spacing: 0.0115, count: 500, radius: Uniform(4.5e-3, 5.5e-3), agitation: (0.3, 0.3))],
-    rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02), door: (opens: AtRest), cull: (below: -0.1), until: 6.0, stop: [Out(380)],
-    series: (interval: 0.01), pictures: None, data_frames: None, checkpoint: None, energy_balance: false,
+    stop: [Out(380)], END
     wall_bands: [(walls: "sides", low: 0.1, high: 0.2, bins: 1, sample: 0.005, average: 0.05), ],
 )"""
 SLOT = """(
@@ -53,8 +54,7 @@ SLOT = """(
         Panel(corner: (-0.04, 0.0, 0.0), along: (0.025, 0.0, 0.0), across: (0.0, 0.03, 0.0)), Panel(corner: (0.015, 0.0, 0.0), along: (0.025, 0.0, 0.0), across: (0.0, 0.03, 0.0)),
         Panel(corner: (-0.015, 0.0, 0.0), along: (0.03, 0.0, 0.0), across: (0.0, 0.03, 0.0), door: true)],
     fill: [(low: (-0.04, 0.0, 0.0), high: (0.04, 0.03, 0.4), spacing: 7.2e-3, count: 800, radius: Uniform(2.85e-3, 3.15e-3), jitter: 3.0e-4)],
-    rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02), door: (opens: AtRest), cull: (below: -0.1), until: 6.0, stop: [Out(550)],
-    series: (interval: 0.01), pictures: None, data_frames: None, checkpoint: None, energy_balance: false,
+    stop: [Out(550)], END
     wall_bands: [(walls: "sides", low: 0.0, high: 0.06, bins: 1, sample: 0.005, average: 0.05), ],
 )"""
 CYLINDER = """(
@@ -65,8 +65,7 @@ CYLINDER = """(
     walls: [Cylinder(from: (0.0, 0.0, 0.0), to: (0.0, 0.0, 0.3), radius: 0.026, name: "sides"), Annulus(centre: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), inner: 0.01, outer: 0.026),
         Annulus(centre: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), outer: 0.01, door: true)],
     fill: [(low: (-0.0175, -0.0175, 0.0), high: (0.0175, 0.0175, 0.3), spacing: 4.9e-3, count: 900, radius: Uniform(1.9e-3, 2.1e-3), jitter: 2.0e-4)],
-    rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02), door: (opens: AtRest), cull: (below: -0.1), until: 6.0, stop: [Out(650)],
-    series: (interval: 0.01), pictures: None, data_frames: None, checkpoint: None, energy_balance: false,
+    stop: [Out(650)], END
     wall_bands: [(walls: "sides", low: 0.0, high: 0.04, bins: 1, sample: 0.005, average: 0.05), ],
 )"""
 CONE = """(
@@ -77,8 +76,7 @@ CONE = """(
     walls: [Cylinder(from: (0.0, 0.0, 0.03), to: (0.0, 0.0, 0.4), radius: 0.03, name: "sides"), Cone(from: (0.0, 0.0, 0.0), to: (0.0, 0.0, 0.03), radii: (0.01, 0.03)),
         Annulus(centre: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), outer: 0.01, door: true)],
     fill: [(low: (-0.02, -0.02, 0.03), high: (0.02, 0.02, 0.4), spacing: 6.2e-3, count: 800, radius: Mixture([(2.0e-3, 0.7), (2.8e-3, 0.3)]), jitter: 2.0e-4)],
-    rest: (speed: 0.2, energy: 1.0e-3, hold: 0.02), door: (opens: AtRest), cull: (below: -0.1), until: 6.0, stop: [Out(550)],
-    series: (interval: 0.01), pictures: None, data_frames: None, checkpoint: None, energy_balance: false,
+    stop: [Out(550)], END
     wall_bands: [(walls: "sides", low: 0.03, high: 0.07, bins: 1, sample: 0.005, average: 0.05), ],
 )"""
 # Name, scene, softness of the reference, softer ones.
@@ -97,6 +95,8 @@ def run(siloflow, scene, folder, soft, growth, seed):
     out = folder / "run"
     words = [siloflow, "run", scene, "--set", f"parameters.soft={soft}", "--set", f"growth={growth}", "--seed", seed, "--out", out, "--force", "--quiet"]
     done = subprocess.run(list(map(str, words)), capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{done.args} failed:\n{done.stderr}")
     summary = json.loads((out / "summary.json").read_text())
     rest = summary["rest_time_s"]
     if rest is None or summary["discharge"] is None:
@@ -145,7 +145,7 @@ def main():
         for name, text, reference, softer in CASES:
             if arguments.only and not any(part in name for part in arguments.only):
                 continue
-            scene.write_text(text)
+            scene.write_text(text.replace("END", END))
             overlap = run(siloflow, scene, folder, reference, 0.0, 1)[1]
             base = measure(siloflow, scene, folder, reference, 0.0, arguments.runs)
             for soft in softer:

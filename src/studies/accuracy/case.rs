@@ -59,6 +59,22 @@ pub struct Case {
 pub const PHASES: u32 = 40;
 
 impl Case {
+    /// Returns a case of one system whose exact solution is integrated: four contact durations, with errors of velocity over 1 m/s.
+    #[must_use]
+    pub(super) fn integrated(name: &'static str, title: &'static str, system: System, contact_duration: f64) -> Self {
+        Self {
+            name,
+            title,
+            systems: vec![system],
+            contact_duration,
+            end: 4.0 * contact_duration,
+            truth: Truth::Integrated,
+            measure: Measure::Velocity(1.0),
+            finest: 1000.0,
+            touch: None,
+        }
+    }
+
     /// Returns the number of copies of each system.
     #[must_use]
     pub fn phases(&self) -> u32 {

@@ -1,4 +1,4 @@
-//! What an estimate is asked for, and why it may not give it.
+//! The request of an estimate, and the reasons why it may not be kept.
 
 use std::fmt::{self, Display, Formatter};
 

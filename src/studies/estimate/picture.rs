@@ -83,7 +83,7 @@ fn against_cost(rounds: &[Round]) -> Panel {
     let points: Vec<_> =
         rounds.iter().map(|round| (round.spent, round.half)).filter(|(x, y)| *x > 0.0 && *y > 0.0).collect();
     let x = Axis::logarithmic("time of the runs, s", points.iter().map(|point| point.0));
-    let y = Axis::logarithmic("half width of the interval", points.iter().map(|point| point.1));
+    let y = Axis::logarithmic("half width, in the unit of the figure", points.iter().map(|point| point.1));
     let curve = Curve { colour: colour(1), points, has_line: true, has_dots: true, ..Curve::default() };
     Panel { curves: vec![curve], ..Panel::new("error against cost", x, y) }
 }

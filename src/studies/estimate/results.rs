@@ -198,7 +198,8 @@ impl Estimate {
             growth: outcome.growth.map(|it| GrowthFigures { overlap: it.overlap, softness: it.softness }),
             tighter,
             missing: answer.missing(),
-            core_s: outcome.runs.iter().map(|run| run.wall_s).sum(),
+            // An empty sum of doubles would be -0.
+            core_s: outcome.runs.iter().fold(0.0, |sum, run| sum + run.wall_s),
             runs: outcome.runs,
             wall_s: outcome.wall_s,
         }

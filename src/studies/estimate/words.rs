@@ -24,11 +24,13 @@ impl Estimate {
     /// Returns the answer in words.
     #[must_use]
     pub fn in_words(&self) -> String {
-        let lines = self.lines().into_iter().map(|Line { name, words }| format!("{name:<12} {words}\n"));
+        let refused = self.refused.iter().map(|why| Line { name: "refused", words: why.clone() });
+        let lines = self.lines().into_iter().chain(refused);
+        let lines = lines.map(|Line { name, words }| format!("{name:<12} {words}\n"));
         std::iter::once(self.title() + "\n").chain(lines).collect()
     }
 
-    /// Returns the parts of the answer.
+    /// Returns the parts of the answer. The reason of a refusal stands apart.
     #[must_use]
     pub fn lines(&self) -> Vec<Line> {
         let mut lines = Vec::new();
@@ -77,9 +79,6 @@ impl Estimate {
         if let Some(Tighter { half_width, wall_s: Some(seconds) }) = self.tighter {
             let half = digits(half_width, 2);
             add("tighter", format!("± {half}{} would take about {seconds:.0} s more", share(half_width)));
-        }
-        if let Some(why) = &self.refused {
-            add("refused", why.clone());
         }
         lines
     }

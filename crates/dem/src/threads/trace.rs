@@ -1,7 +1,7 @@
 //! Where the time of shared passes goes: the work of each thread, and waiting. A run has no trace unless a benchmark asks for it.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Sums over passes, each a call of [`Threads::share`](super::Threads::share).
@@ -44,7 +44,7 @@ impl Trace {
     pub(super) fn end(&self, clock: PassClock) {
         let wall = clock.begin.elapsed();
         let work = || clock.work.iter().map(|nanoseconds| Duration::from_nanos(nanoseconds.load(Ordering::Relaxed)));
-        let mut passes = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut passes = self.lock();
         passes.count += 1;
         passes.wall += wall;
         passes.work += work().sum::<Duration>();
@@ -53,7 +53,12 @@ impl Trace {
 
     /// Returns all passes so far.
     pub(super) fn passes(&self) -> Passes {
-        *self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+        *self.lock()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Passes> {
+        // Sums of a benchmark stay sums after a panic elsewhere.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

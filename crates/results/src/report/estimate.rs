@@ -1,28 +1,18 @@
 //! The page of an estimate: the answer, the figure of value against softness, the rungs and the runs.
 
-use std::fmt::Write as _;
-
 use crate::report::document::Page;
 use crate::report::html::{Section, escape};
+use crate::report::sheet::Sheet;
 use crate::report::table::details;
 use siloflow_files::table::Table;
-
-/// A part of the answer in words.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
-    /// Name of the part, such as `value`.
-    pub name: &'static str,
-    /// The part.
-    pub words: String,
-}
 
 /// Content of the page.
 #[derive(Clone, Copy, Debug)]
 pub struct EstimatePage<'a> {
     /// The figure and the scene, in words.
     pub title: &'a str,
-    /// The answer in words.
-    pub lines: &'a [Line],
+    /// The answer, part by part in words.
+    pub answer: &'a Sheet,
     /// Why the answer is not as good as asked for.
     pub refused: Option<&'a str>,
     /// The value against softness, and the error against cost: SVG of siloflow.
@@ -37,11 +27,7 @@ impl EstimatePage<'_> {
     /// Returns the page as HTML.
     #[must_use]
     pub fn html(&self) -> String {
-        let mut answer = "<table>\n<tbody>\n".to_owned();
-        for Line { name, words } in self.lines {
-            let _ = writeln!(answer, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(words));
-        }
-        answer += "</tbody>\n</table>\n";
+        let mut answer = self.answer.html("The answer in words", &[self.title.to_owned()]);
         if let Some(why) = self.refused {
             answer = format!("<p class=\"fate\"><strong>Refused</strong>: {}</p>\n{answer}", escape(why));
         }

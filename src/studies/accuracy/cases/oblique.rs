@@ -5,7 +5,7 @@
 
 use glam::DVec2;
 
-use super::super::case::{Case, Measure, Truth, disc, linear};
+use super::super::case::{Case, Measure, disc, linear};
 use super::super::reference::closed::duration;
 use super::super::reference::{Floor, Friction, Law, Rolling, System};
 
@@ -62,17 +62,8 @@ fn smooth() -> Case {
     let lead = 0.3 * contact_duration;
     let up = (0.07f64.powi(2) - aside * aside).sqrt() + lead;
     let discs = vec![disc(R, M, DVec2::ZERO, DVec2::ZERO), disc(0.03, 0.09, DVec2::new(aside, up), v)];
-    Case {
-        name: "oblique-smooth",
-        title: "oblique, smooth, e = 0.5",
-        systems: vec![System { clumps: vec![], gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] }],
-        contact_duration,
-        end: 4.0 * contact_duration,
-        truth: Truth::Integrated,
-        measure: Measure::Velocity(1.0),
-        finest: 1000.0,
-        touch: None,
-    }
+    let system = System { clumps: vec![], gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] };
+    Case::integrated("oblique-smooth", "oblique, smooth, e = 0.5", system, contact_duration)
 }
 
 fn rough(name: &'static str, title: &'static str, law: Law, v: DVec2) -> Case {
@@ -83,15 +74,7 @@ fn rough(name: &'static str, title: &'static str, law: Law, v: DVec2) -> Case {
     };
     let start = DVec2::new(0.0, R + 0.3 * contact_duration * -v.y);
     let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y)];
-    Case {
-        name,
-        title,
-        systems: vec![System { clumps: vec![], gravity: DVec2::ZERO, law, discs: vec![disc(R, M, start, v)], floors }],
-        contact_duration,
-        end: 4.0 * contact_duration,
-        truth: Truth::Integrated,
-        measure: Measure::Velocity(v.length()),
-        finest: 1000.0,
-        touch: None,
-    }
+    let system = System { clumps: vec![], gravity: DVec2::ZERO, law, discs: vec![disc(R, M, start, v)], floors };
+    let measure = Measure::Velocity(v.length());
+    Case { measure, ..Case::integrated(name, title, system, contact_duration) }
 }

@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::super::super::case::{Case, Measure, Truth};
+use super::super::super::case::Case;
 use super::super::super::reference::closed::duration;
 use super::super::super::reference::{Floor, Friction, Law, System};
 use super::body::{Body, Motion};
@@ -47,23 +47,14 @@ fn case(name: &'static str, title: &'static str, spin: f64) -> Case {
         v,
     };
     let friction = Some(Friction { k: 2.0 / 7.0 * K, share: 0.5, mu: 0.3, rolling: None });
-    Case {
-        name,
-        title,
-        systems: vec![System {
-            clumps: vec![cross().clump(0, spin)],
-            gravity: DVec2::ZERO,
-            law: Law::Linear { k: K, e: E, attracts: false, friction },
-            discs: cross().discs(&motion),
-            floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)],
-        }],
-        contact_duration,
-        end: 5.0 * contact_duration,
-        truth: Truth::Integrated,
-        measure: Measure::Velocity(1.0),
-        finest: 1000.0,
-        touch: None,
-    }
+    let system = System {
+        clumps: vec![cross().clump(0, spin)],
+        gravity: DVec2::ZERO,
+        law: Law::Linear { k: K, e: E, attracts: false, friction },
+        discs: cross().discs(&motion),
+        floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)],
+    };
+    Case { end: 5.0 * contact_duration, ..Case::integrated(name, title, system, contact_duration) }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::super::super::case::{Case, Measure, Truth, linear};
+use super::super::super::case::{Case, linear};
 use super::super::super::reference::closed::duration;
 use super::super::super::reference::{Floor, Friction, Law, System};
 use super::body::{Body, Motion};
@@ -34,7 +34,7 @@ fn end_on_floor() -> Case {
         discs: rod().discs(&Motion { centre, axis, v: DVec2::new(0.5, -1.0) }),
         floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)],
     };
-    case("clump-floor", "clump of three discs, end on floor, friction", system, contact_duration)
+    Case::integrated("clump-floor", "clump of three discs, end on floor, friction", system, contact_duration)
 }
 
 fn pair() -> Case {
@@ -52,19 +52,5 @@ fn pair() -> Case {
         discs: both,
         floors: vec![],
     };
-    case("clump-pair", "two clumps of three discs, off their centres", system, contact_duration)
-}
-
-fn case(name: &'static str, title: &'static str, system: System, contact_duration: f64) -> Case {
-    Case {
-        name,
-        title,
-        systems: vec![system],
-        contact_duration,
-        end: 4.0 * contact_duration,
-        truth: Truth::Integrated,
-        measure: Measure::Velocity(1.0),
-        finest: 1000.0,
-        touch: None,
-    }
+    Case::integrated("clump-pair", "two clumps of three discs, off their centres", system, contact_duration)
 }

@@ -5,7 +5,7 @@
 
 use glam::DVec2;
 
-use super::super::super::case::{Case, Measure, Truth};
+use super::super::super::case::{Case, Measure};
 use super::super::super::reference::closed::duration;
 use super::super::super::reference::{Floor, Friction, Law, System};
 use super::body::{Body, Motion};
@@ -30,26 +30,21 @@ fn gravity() -> DVec2 {
 pub(super) fn case() -> Case {
     let pair = Body::row(M, R, 2, 2.0 * HALF);
     let contact_duration = duration(K, E, false, 1.0 / pair.mobility(DVec2::new(HALF, R), DVec2::Y));
-    // It falls for half a contact duration, so that it presses on the slope at once without bouncing far.
+    // The pair falls for half a contact duration, so that it presses on the slope at once without bouncing far.
     let drop = -0.5 * gravity().y * (0.5 * contact_duration).powi(2);
     let motion = Motion { centre: DVec2::Y * (R + drop), axis: DVec2::X, v: DVec2::X * SPEED };
     let friction = Some(Friction { k: 2.0 / 7.0 * K, share: 0.5, mu: MU, rolling: None });
+    let system = System {
+        clumps: vec![pair.clump(0, 0.0)],
+        gravity: gravity(),
+        law: Law::Linear { k: K, e: E, attracts: false, friction },
+        discs: pair.discs(&motion),
+        floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)],
+    };
     Case {
-        name: "clump-slide",
-        title: "pair of discs that slides down a slope",
-        systems: vec![System {
-            clumps: vec![pair.clump(0, 0.0)],
-            gravity: gravity(),
-            law: Law::Linear { k: K, e: E, attracts: false, friction },
-            discs: pair.discs(&motion),
-            floors: vec![Floor::still(DVec2::ZERO, DVec2::Y)],
-        }],
-        contact_duration,
         end: 6.0 * contact_duration,
-        truth: Truth::Integrated,
         measure: Measure::Velocity(SPEED),
-        finest: 1000.0,
-        touch: None,
+        ..Case::integrated("clump-slide", "pair of discs that slides down a slope", system, contact_duration)
     }
 }
 

@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::super::super::case::{Case, Measure, Truth};
+use super::super::super::case::{Case, Measure};
 use super::super::super::reference::closed::duration;
 use super::super::super::reference::{Floor, Friction, Law, System};
 use super::body::{Body, Motion};
@@ -28,7 +28,7 @@ fn pair() -> Body {
 fn leaning(k: f64) -> (System, f64) {
     let axis = DVec2::from_angle(std::f64::consts::FRAC_PI_2 - LEAN);
     let contact_duration = duration(k, E, false, 1.0 / pair().mobility(-axis * HALF - DVec2::Y * R, DVec2::Y));
-    // It falls for half a contact duration, so that it presses on the floor at once without bouncing far.
+    // The pair falls for half a contact duration, so that it presses on the floor at once without bouncing far.
     let drop = 0.5 * G * (0.5 * contact_duration).powi(2);
     let motion = Motion { centre: DVec2::Y * (R + HALF * axis.y + drop), axis, v: DVec2::ZERO };
     let friction = Some(Friction { k: 2.0 / 7.0 * k, share: 0.5, mu: 1.0, rolling: None });
@@ -45,15 +45,9 @@ fn leaning(k: f64) -> (System, f64) {
 pub(super) fn case() -> Case {
     let (system, contact_duration) = leaning(1.0e5);
     Case {
-        name: "clump-topple",
-        title: "pair of discs that topples over the lower one",
-        systems: vec![system],
-        contact_duration,
         end: 15.0 * contact_duration,
-        truth: Truth::Integrated,
         measure: Measure::Velocity(0.2),
-        finest: 1000.0,
-        touch: None,
+        ..Case::integrated("clump-topple", "pair of discs that topples over the lower one", system, contact_duration)
     }
 }
 
