@@ -8,6 +8,8 @@ use crate::{motion, simulation_on, simulation_with, sphere};
 use siloflow::dem::contact::history::{History, HistoryBlock};
 use siloflow::dem::space::Space;
 use siloflow::dem::store::ParticleStore;
+use siloflow::dem::survey::Survey;
+use siloflow::dem::threads::Threads;
 use siloflow::dem::walls::surfaces::Surfaces;
 use siloflow::grains::file::GrainRow;
 use siloflow::output::state_hash;
@@ -182,9 +184,12 @@ fn gaps_that_a_pair_cannot_close_change_no_bit() {
     }
 }
 
+/// More contacts than [`run_with_cleared_history`] has: the largest relative round-off of a sum of so many positive numbers, in units of epsilon.
+const CONTACTS: f64 = 2e4;
+
 /// Simulates many spheres between walls. Contact history is cleared after 150 steps, and again after 200 if `twice`.
-/// Returns state hashes and the forces on the walls.
-fn run_with_cleared_history(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>)> {
+/// Returns state hashes, the forces on the walls and the elastic energy of all contacts.
+fn run_with_cleared_history(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>, f64)> {
     let keys = format!(
         "{}, contact: {LINEAR}, neighbours: VerletList(skin: 0.01), step: Fixed(2.0e-4), until: 9.0",
         walled(true, 2, false, 12.0 * 0.085)
@@ -194,7 +199,15 @@ fn run_with_cleared_history(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>
     for (steps, clears) in [(150, true), (200, twice), (250, false)] {
         simulation.run_steps(steps);
         let on_walls = simulation.world().resource::<Surfaces<Solid>>().loads.iter().map(|load| load.force).collect();
-        seen.push((state_hash::of_world(simulation.world_mut()), on_walls));
+        let survey = Survey::<Solid>::of_world(simulation.world());
+        let elastic = survey.whole_elastic_energy(simulation.world().resource::<Threads>());
+        let in_one_sum = survey.elastic_energy(|_, _| true);
+        // Terms are positive, and both sums have the same but for the order: four blocks and the walls.
+        assert!(
+            (elastic - in_one_sum).abs() <= CONTACTS * f64::EPSILON * elastic && elastic > 0.0,
+            "{elastic} {in_one_sum}"
+        );
+        seen.push((state_hash::of_world(simulation.world_mut()), on_walls, elastic));
         simulation.world_mut().resource_scope(|world, mut history: Mut<History>| {
             if clears {
                 history.blocks_mut(world.resource::<ParticleStore<Solid>>()).0.iter_mut().for_each(HistoryBlock::clear);

@@ -35,6 +35,7 @@ use siloflow_dem::outcome::Failure;
 use siloflow_dem::space::Space;
 use siloflow_dem::step::Clock;
 use siloflow_dem::survey::Survey;
+use siloflow_dem::threads::Threads;
 
 /// Share of the elastic energy that may be apparent only: 0.75^2.
 pub const APPARENT: f64 = 0.5625;
@@ -71,9 +72,9 @@ struct Energies {
 }
 
 impl Energies {
-    fn of<V: Space>(survey: &Survey<V>, gravity: V, uncertain: f64) -> Self {
+    fn of<V: Space>(survey: &Survey<V>, threads: &Threads, gravity: V, uncertain: f64) -> Self {
         let store = survey.store;
-        let mut held = Self { elastic: survey.elastic_energy(|_, _| true), uncertain, ..Self::default() };
+        let mut held = Self { elastic: survey.whole_elastic_energy(threads), uncertain, ..Self::default() };
         for i in store.integrated_rows() {
             let body = &store.body[i];
             let fall = store.mass[i] * gravity.dot(body.position);
@@ -101,12 +102,13 @@ impl EnergyCheck {
     pub(super) fn failure<V: Space>(
         &mut self,
         survey: &Survey<V>,
+        threads: &Threads,
         clock: &Clock,
         gravity: V,
         flows: &EnergyFlows,
         uncertain: f64,
     ) -> Option<Failure> {
-        let held = Energies::of(survey, gravity, uncertain);
+        let held = Energies::of(survey, threads, gravity, uncertain);
         let created = self.created(&held, flows, || round_off(survey, clock.steps))?;
         failure(survey, clock, created, self.input)
     }

@@ -36,6 +36,7 @@ use siloflow_dem::space::Space;
 use siloflow_dem::step::{Clock, Phase, Step};
 use siloflow_dem::store::register_predictable;
 use siloflow_dem::survey::SurveyParam;
+use siloflow_dem::threads::Threads;
 use siloflow_dem::values::Positive;
 
 /// The scene key `watchdog`.
@@ -81,7 +82,7 @@ fn is_check_due(
 
 /// Checks overlap and energy.
 fn check<V: Space>(
-    (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
+    (clock, gravity, threads): (Res<Clock>, Res<Gravity<V>>, Res<Threads>),
     (flows, error): (Option<Res<EnergyFlows>>, DissipationError),
     largest: Res<LargestOverlap>,
     survey_param: SurveyParam<V>,
@@ -102,7 +103,7 @@ fn check<V: Space>(
     if is_energy_due
         && state.energy.is_on()
         && let Some(flows) = flows
-        && let Some(failure) = state.energy.failure(&survey, &clock, gravity.0, &flows, uncertain)
+        && let Some(failure) = state.energy.failure(&survey, &threads, &clock, gravity.0, &flows, uncertain)
     {
         outcome.fail(failure);
     }

@@ -4,6 +4,7 @@
 //! is therefore valid from that pass until the next renumbering.
 
 pub mod contact_state;
+mod elastic_energy;
 pub mod pair_forces;
 pub mod pair_map;
 pub mod touching;
@@ -102,10 +103,19 @@ impl<'a, V: Space> Survey<'a, V> {
         accepts: impl Fn(usize, Partner) -> bool,
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory),
     ) {
-        self.visit_pairs(&accepts, &mut visit);
+        self.visit_pairs(self.search.list.pairs(), &accepts, &mut visit);
+        self.visit_walls(&accepts, &mut visit);
+    }
+
+    /// Visits the accepted contacts with walls.
+    fn visit_walls(
+        &self,
+        accepts: &impl Fn(usize, Partner) -> bool,
+        visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory),
+    ) {
         let store = self.store;
         let mut memories = self.history.read_walls();
-        let mut visit_walls = |i: usize, contacts: Vec<(usize, Pair<V>)>| {
+        let mut visit_contacts = |i: usize, contacts: Vec<(usize, Pair<V>)>| {
             for (index, pair) in contacts.into_iter().filter(|(index, _)| accepts(i, Partner::Wall(*index))) {
                 let memory = memories.look_up(i, index).unwrap_or_default();
                 if self.exists(&pair, || memory) {
@@ -116,11 +126,11 @@ impl<'a, V: Space> Survey<'a, V> {
         if let Some(near) = self.near {
             for row in near.chunk_by(|a, b| a.first() == b.first()).filter(|row| !store.is_fixed(row[0].first())) {
                 let i = row[0].first();
-                visit_walls(i, self.contacts_with(i, row.iter().map(|pair| pair.second())));
+                visit_contacts(i, self.contacts_with(i, row.iter().map(|pair| pair.second())));
             }
         } else {
             for i in store.free_rows() {
-                visit_walls(i, self.contacts_with_walls(i));
+                visit_contacts(i, self.contacts_with_walls(i));
             }
         }
     }
@@ -149,15 +159,16 @@ impl<'a, V: Space> Survey<'a, V> {
         pair.overlap > 0.0 || pair.overlap + self.law.range_of(pair, &memory()) > 0.0
     }
 
-    /// Visits the accepted contacts between particles.
+    /// Visits the accepted contacts between particles among these candidates, which are in ascending order.
     fn visit_pairs(
         &self,
+        candidates: &[Candidate],
         accepts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory),
     ) {
         let root = self.law.needs_mass_root();
         let mut memories = self.history.read_pairs();
-        let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
+        let candidates = candidates.iter().map(|candidate| candidate.both());
         for [i, j] in candidates.filter(|&[i, j]| accepts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(self.store, i, j, root) {
                 let memory = memories.look_up(i, j).unwrap_or_default();
@@ -166,12 +177,5 @@ impl<'a, V: Space> Survey<'a, V> {
                 }
             }
         }
-    }
-
-    /// Returns the elastic energy of all contacts that `accepts` returns true for, J.
-    pub fn elastic_energy(&self, accepts: impl Fn(usize, Partner) -> bool) -> f64 {
-        let mut energy = 0.0;
-        self.contacts_among(accepts, |_, _, pair, memory| energy += self.law.elastic_energy(pair, memory));
-        energy
     }
 }
