@@ -19,8 +19,9 @@
 //! | idle | time of all threads in passes without work |
 //! | number | passes in a step |
 //!
-//! The *model* says how many times faster n threads would be than one: time(n) = serial + work/n + number of passes x joining of a pass. Its assumptions:
-//! work is shared evenly, memory serves all cores as it serves the measured ones, and joining takes as long whatever the number of threads.
+//! The *model* says how many times faster n threads would be than one: time(n) = serial + largest share of work + number of passes x joining of a
+//! pass. Threads share whole blocks of 256 rows. Its assumptions: blocks have equal work, memory serves all cores as it serves the measured ones, and
+//! joining takes as long whatever the number of threads.
 //!
 //! A stopwatch between systems costs about 50 ns each, some 30 times in a step. It is part of `serial`. The last line has whole steps without it.
 
@@ -30,6 +31,7 @@ mod stopwatch;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
+use siloflow::dem::neighbours::list::BLOCK;
 use siloflow::dem::threads::Threads;
 use siloflow::dem::threads::trace::Passes;
 use stopwatch::{PARTS, Stopwatch};
@@ -123,7 +125,11 @@ fn model(bed: Bed, whole: Duration, passes: Passes) {
     let serial = bed.each(whole.saturating_sub(passes.wall));
     let work = bed.each(passes.work);
     let joining = bed.each(passes.wall.saturating_sub(passes.longest));
-    let gain = |threads: u32| (serial + work) / (serial + work / f64::from(threads) + joining);
+    let blocks = bed.crystal.grains.div_ceil(u32::try_from(BLOCK).expect("a block has few rows"));
+    let gain = |threads: u32| {
+        let share = f64::from(blocks.div_ceil(threads)) / f64::from(blocks);
+        (serial + work) / (serial + work * share + joining)
+    };
     let gains = MODELLED.map(|threads| format!("  {threads}: {:.1}", gain(threads))).concat();
     println!("model: serial {serial:.1}, work {work:.1}, joining {joining:.1}; gain of threads{gains}");
 }

@@ -15,7 +15,7 @@ use std::ops::Range;
 use self::marks::Marks;
 
 /// Rows of a block. A force pass processes one block at a time, on any number of threads.
-pub const BLOCK: usize = 1024;
+pub const BLOCK: usize = 256;
 
 pub use self::marks::Chosen;
 pub use crate::neighbours::candidate::{Candidate, are_same};
@@ -138,7 +138,8 @@ impl PairList {
         self.marks.mark(self.version, &mut self.pairs, copies, chosen);
     }
 
-    /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows.
+    /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows. Tasks have about equal work: that of a row without pairs
+    /// is taken for that of a pair.
     pub(crate) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
         self.version += 1;
         let pairs = &self.pairs;
@@ -151,12 +152,18 @@ impl PairList {
             start = end;
             Block { pairs_end: end, slots_end: end_of(block) }
         }));
-        let blocks = self.blocks.len();
         let shares = threads.min(self.blocks.len()).max(1);
         self.tasks.resize_with(shares, Task::default);
-        for (number, task) in self.tasks.iter_mut().enumerate() {
-            let border = |number: usize| (number * blocks / shares * size).min(rows);
-            task.rows = border(number)..border(number + 1);
+        let work: Vec<_> = (1..).zip(&self.blocks).map(|(number, block)| block.pairs_end + number * size).collect();
+        let mut end = 0;
+        for number in 0..shares {
+            let begin = end;
+            let border = nearest(&work, (number + 1) * work.last().copied().unwrap_or(0) / shares);
+            // Each task has at least one block, and leaves one to each that follows.
+            let most = work.len() - (shares - number - 1);
+            end = border.clamp((begin + 1).min(most), most);
+            let task = &mut self.tasks[number];
+            task.rows = begin * size..(end * size).min(rows);
             task.incoming.clear();
         }
         let mut own = 0;
@@ -171,6 +178,14 @@ impl PairList {
             }
         }
     }
+}
+
+/// Returns how many of the ascending sums `work` are before the border that is nearest to `target`.
+fn nearest(work: &[usize], target: usize) -> usize {
+    let below = work.partition_point(|&sum| sum <= target);
+    let before = below.checked_sub(1).map_or(0, |last| work[last]);
+    let is_next_nearer = work.get(below).is_some_and(|&next| next - target < target - before);
+    below + usize::from(is_next_nearer)
 }
 
 #[cfg(test)]
@@ -220,5 +235,24 @@ mod tests {
         assert_eq!(list.tasks().len(), 2);
         list.assign_tasks(6, 1, 4);
         assert_eq!((list.tasks().len(), list.tasks()[0].rows.clone()), (1, 0..6));
+        list.assign_tasks(0, 3, 4);
+        assert_eq!((list.tasks().len(), list.tasks()[0].rows.clone()), (1, 0..0));
+    }
+
+    #[test]
+    fn tasks_share_work_and_none_is_empty() {
+        let rows = |pairs: &[(u32, u32)], threads: usize| {
+            let mut list = PairList::default();
+            // So many pairs of a row, with any partner.
+            let row = |&(row, count): &(u32, u32)| (0..count).map(move |_| Candidate::new(row, 11));
+            list.fill(pairs.iter().flat_map(row), 12);
+            list.assign_tasks(12, threads, 2);
+            list.tasks().iter().map(|task| task.rows.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(rows(&[], 3), [0..4, 4..8, 8..12]);
+        assert_eq!(rows(&[(0, 16), (7, 4)], 2), [0..2, 2..12]);
+        assert_eq!(rows(&[(0, 16), (7, 16)], 2), [0..6, 6..12]);
+        assert_eq!(rows(&[(10, 40)], 3), [0..8, 8..10, 10..12]);
+        assert_eq!(rows(&[(0, 40)], 3), [0..2, 2..4, 4..12]);
     }
 }

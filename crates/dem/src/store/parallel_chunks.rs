@@ -9,10 +9,10 @@ use crate::instruction_set::InstructionSet;
 use crate::threads::Threads;
 
 /// Entries per chunk.
-pub const CHUNK: usize = 1024;
+pub const CHUNK: usize = 256;
 
 /// The smallest number of chunks that is shared among threads. With fewer chunks, sharing saves too little.
-const MIN_SHARED_CHUNKS: usize = 8;
+const MIN_SHARED_CHUNKS: usize = 32;
 
 /// System parameter of a chunked pass: the threads and the instruction set.
 #[derive(SystemParam)]
