@@ -15,6 +15,7 @@ use std::num::NonZeroUsize;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
+pub(crate) use self::build::MOST_THREADS;
 use self::build::{app_with_resources, refuse_outputs, restore};
 use self::particles::spawn_particles;
 use crate::assembly::Assembly;

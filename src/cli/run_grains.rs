@@ -5,6 +5,7 @@ mod phase;
 mod words;
 
 use std::io::{self, Write};
+use std::num::NonZeroUsize;
 
 use bevy_ecs::prelude::*;
 
@@ -25,8 +26,9 @@ use crate::scene::check::automatic::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
 use crate::scene::expected::{self, Work};
 use crate::scene::loaded::Loaded;
-use crate::simulation::{Additions, Caller, Simulation};
+use crate::simulation::{Additions, Caller, MOST_THREADS, Simulation};
 use crate::writers::provenance::Provenance;
+use siloflow_dem::neighbours::ROWS_PER_THREAD;
 use siloflow_dem::outcome::End;
 use siloflow_dem::persist::{CheckpointConfig, Section, UnknownState};
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
@@ -71,7 +73,8 @@ impl RunnableScene for Loaded {
         more: Additions,
         saved: Option<(&[Section], UnknownState)>,
     ) -> Result<Simulation, Fault> {
-        Simulation::with(self, options.registry, options.threads, Caller::CommandLine, more, saved)
+        let threads = useful_threads(self, options.threads);
+        Simulation::with(self, options.registry, threads, Caller::CommandLine, more, saved)
     }
 
     fn forget_start(&mut self) {
@@ -104,6 +107,19 @@ impl RunnableScene for Loaded {
             Dimension::Solid => file::write_to::<Solid>(world, file),
         }
     }
+}
+
+/// Returns how many of the threads asked for have work in this scene, and says if that is fewer. Behaviours may make grains, so with them all have.
+fn useful_threads(loaded: &Loaded, wanted: NonZeroUsize) -> NonZeroUsize {
+    let spheres = expected::shapes(loaded);
+    let most = NonZeroUsize::new(spheres / ROWS_PER_THREAD).unwrap_or(NonZeroUsize::MIN);
+    if wanted <= most || wanted.get() > MOST_THREADS || !loaded.scene.behaviours.is_empty() {
+        return wanted;
+    }
+    tracing::info!(
+        "{most} of {wanted} threads: a thread saves time if it has {ROWS_PER_THREAD} spheres or more, and there are {spheres}"
+    );
+    most
 }
 
 fn add_outputs<V: Space>(loaded: &Loaded, app: &mut Assembly, directory: &RunDirectory) -> Result<(), Fault> {

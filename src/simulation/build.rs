@@ -130,7 +130,7 @@ fn forget_restoration(schedule: &mut Schedule, world: &mut World) {
 }
 
 /// Largest number of threads of a run. Many more than there are cores would occupy the machine without doing work.
-const MOST_THREADS: usize = 1024;
+pub(crate) const MOST_THREADS: usize = 1024;
 
 /// Returns an app with the resources of every run.
 pub(super) fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {

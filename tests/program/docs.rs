@@ -111,9 +111,13 @@ fn the_site_has_every_page_of_the_documentation() {
     assert!(without.is_empty(), "docs/site/SUMMARY.md has no line for {without:?}");
 }
 
-/// The commands of a block, with the program under test in place of a build of the package.
+/// The commands of a block, with the program under test in place of a build of the package. Packages in `examples` find siloflow from their true place.
 fn as_siloflow(block: &str) -> String {
-    block.replace("cargo run --release -- ", "siloflow ").replace("target/release/siloflow", "siloflow")
+    let examples = format!("--manifest-path {}/examples/", crate::root().display());
+    block
+        .replace("cargo run --release -- ", "siloflow ")
+        .replace("target/release/siloflow", "siloflow")
+        .replace("--manifest-path examples/", &examples)
 }
 
 /// The words of a call; what stands in single quotes is part of one.

@@ -35,9 +35,15 @@ fn refused(here: &Path, options: &[&str], words: &[&str]) {
 fn pictures_of_a_run_and_of_its_frames_are_the_same_bytes() {
     let here = tempfile::tempdir().unwrap();
     for (scene, settings) in [
-        ("couette.ron", ["until=0.05", "pictures.interval=0.02", "pictures.png=true"]),
-        ("silo3d.ron", ["until=0.002", "pictures.interval=0.001", "pictures.direction=Iso"]),
-        ("column.ron", ["until=0.3", "pictures.interval=0.1", "pictures.png=true"]),
+        (
+            "couette.ron",
+            ["until=0.05", "pictures.interval=0.02", "pictures.png=true", "pictures.view=((-0.1, -0.1), (1.0, 1.0))"],
+        ),
+        ("silo3d.ron", ["until=0.002", "pictures.interval=0.001", "pictures.direction=Iso", "pictures.width=500"]),
+        (
+            "column.ron",
+            ["until=0.3", "pictures.interval=0.1", "pictures.png=true", "pictures.view=((-1.0, -0.1), (1.0, 2.0))"],
+        ),
     ] {
         run(here.path(), scene, &settings);
         let frames = here.path().join("run/frames");
@@ -57,6 +63,25 @@ fn pictures_of_a_run_and_of_its_frames_are_the_same_bytes() {
             let drawn = fs::read(frames.join("00000.png")).unwrap();
             assert!(fs::read(here.path().join("again.png")).unwrap() == drawn, "{scene}");
         }
+    }
+}
+
+#[test]
+fn drawings_show_where_the_grains_of_a_run_have_been() {
+    let here = tempfile::tempdir().unwrap();
+    let text = "(title: \"wide floor\", gravity: (0.0, -9.81), walls: [Segment(from: (-5.0, 0.0), to: (5.0, 0.0))], \
+        contact: Linear(k: 1.0e5, damping: Restitution(0.5)), mass: Disc(1000.0), step: Fixed(1.0e-4), until: 0.2, \
+        spawner: (point: (0.0, 0.5), velocity: (0.0, 0.0), interval: 0.05, count: 3, radius: Fixed(0.05)), pictures: (interval: 0.1))";
+    fs::write(here.path().join("floor.ron"), text).unwrap();
+    let output = siloflow(here.path(), &["run", "floor.ron", "--quiet", "--out", "run"]);
+    assert!(output.status.success(), "{}", crate::command_line::text(&output.stderr));
+    // Radius on the picture, px. 600 px are 10 m or more in the run's own pictures, and less than 1 m in a drawing.
+    let radius = |svg: &str| svg.split(" r=\"").nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap();
+    let own = radius(&fs::read_to_string(here.path().join("run/frames/00002.svg")).unwrap());
+    for time in ["0.1", "0.2"] {
+        render(here.path(), &["--at", time, "--force", "--out", "one.svg"]);
+        let drawn = radius(&fs::read_to_string(here.path().join("one.svg")).unwrap());
+        assert!(own <= 3.0 && drawn >= 30.0, "{own} {drawn}");
     }
 }
 

@@ -19,6 +19,7 @@ use crate::output::pictures::style::style;
 use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
+use crate::scene::view;
 use siloflow_figures::movie::MovieWriter;
 use siloflow_figures::{png, svg};
 use siloflow_files::frames::columns::Columns;
@@ -74,7 +75,7 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
     let reader = FrameReader::open_within(&path, most).map_err(read)?;
     let header = reader.header.clone();
     let wanted = wanted(args.colour.as_ref(), &pictures.colour, &header);
-    let survey = FrameIndex::of(&header, reader, wanted.name()).map_err(read)?;
+    let survey = FrameIndex::of(&header, reader, wanted.name(), &view::camera(&loaded, &pictures)).map_err(read)?;
     let selected = survey.select(args);
     if selected.is_empty() {
         return Err(Fault::new("render::no_frames", format!("there is no whole frame in {}", path.display()))
@@ -84,7 +85,11 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
         survey.tell_far_times(args);
     }
     pictures.colour = wanted.colour(survey.range(&selected));
-    let style = sized(style(&loaded, &pictures), args, &header);
+    let mut style = style(&loaded, &pictures);
+    if let (None, Some(grains)) = (pictures.view, survey.box_of_grains) {
+        style.view = view::around(&loaded, style.view, grains);
+    }
+    let style = sized(style, args, &header);
     check(&style, &survey.columns, &loaded)?;
     let decimals = decimals(&survey.times, style.decimals);
     let FrameIndex { times, columns, .. } = survey;

@@ -3,9 +3,13 @@
 use std::collections::BTreeSet;
 use std::io;
 
+use glam::DVec2;
+
 use super::args::RenderArgs;
 use siloflow_files::frames::columns::Columns;
 use siloflow_files::frames::{Frame, Header};
+use siloflow_results::pictures;
+use siloflow_results::pictures::camera::Camera;
 use siloflow_results::pictures::style::speeds;
 
 /// Most frames of a movie without `--every`.
@@ -18,6 +22,8 @@ pub(super) struct FrameIndex {
     pub ranges: Vec<Option<(f64, f64)>>,
     /// Columns of all frames.
     pub columns: Columns,
+    /// Lower left and upper right corner of the box around all grains of all frames, m, in the axes of the camera.
+    pub box_of_grains: Option<(DVec2, DVec2)>,
 }
 
 impl FrameIndex {
@@ -26,6 +32,7 @@ impl FrameIndex {
         header: &Header,
         frames: impl Iterator<Item = io::Result<Frame>>,
         colour: Option<&str>,
+        camera: &Camera,
     ) -> io::Result<Self> {
         let mut survey = Self::default();
         for frame in frames {
@@ -33,6 +40,8 @@ impl FrameIndex {
             survey.columns.add(&frame)?;
             survey.times.push(frame.time);
             survey.ranges.push(colour.and_then(|name| range(header, &frame, name)));
+            let both = survey.box_of_grains.into_iter().chain(pictures::box_of_grains(header, &frame, camera));
+            survey.box_of_grains = both.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         }
         Ok(survey)
     }
@@ -140,7 +149,7 @@ mod tests {
     fn selected(times: Vec<f64>, options: &[&str]) -> Vec<usize> {
         let ranges = vec![None; times.len()];
         let call = Arguments::parse_from([&["render", "run"], options].concat());
-        FrameIndex { times, ranges, columns: Columns::default() }.select(&call.args)
+        FrameIndex { times, ranges, ..FrameIndex::default() }.select(&call.args)
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub enum Neighbours {
 }
 
 /// Fewest rows of a task. Threads that share fewer lose more time by handing out work than they save.
-const FEWEST: usize = 512;
+pub const ROWS_PER_THREAD: usize = 512;
 
 /// A search with its state.
 pub enum Method<V: Space> {
@@ -118,7 +118,7 @@ impl<V: Space> Search<V> {
                 cells.set_reach(store.prediction.margin + store.prediction.range);
                 // The list is made even after an error, so that the state left by the failed step has a valid list.
                 cells.find(store, &mut self.list);
-                self.list.assign_tasks(store.len(), threads.count().min(store.len() / FEWEST), BLOCK);
+                self.list.assign_tasks(store.len(), threads.count().min(store.len() / ROWS_PER_THREAD), BLOCK);
                 range_check?;
                 true
             }
@@ -134,7 +134,7 @@ impl<V: Space> Search<V> {
             }
         };
         if rebuilt || renumbered || renewed_some {
-            self.list.assign_tasks(store.len(), threads.count().min(store.len() / FEWEST), BLOCK);
+            self.list.assign_tasks(store.len(), threads.count().min(store.len() / ROWS_PER_THREAD), BLOCK);
         }
         Ok(rebuilt)
     }

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use super::camera::Camera;
 use super::style::Style;
 use super::{hidden, point, shades};
 use glam::{DVec2, DVec3};
@@ -94,6 +95,19 @@ impl Grains {
         }
         discs
     }
+}
+
+/// Returns lower left and upper right corner of the box around the grains of a frame, without wall grains, m, in the axes of the camera; `None` without grains.
+#[must_use]
+pub fn box_of_grains(header: &Header, frame: &Frame, camera: &Camera) -> Option<(DVec2, DVec2)> {
+    let table = frame.table("grains")?;
+    let (positions, kinds) = (table.floats("position")?, table.numbers("kind")?);
+    let balls = table.floats("radius")?.iter().zip(kinds).enumerate().filter(|(_, (_, kind))| *kind < 0.5);
+    let boxes = balls.filter_map(|(row, (&radius, _))| {
+        let centre = camera.on_paper(point(positions, header.dimension, row)?);
+        Some((centre - radius, centre + radius))
+    });
+    boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// Returns a byte that a column has as a float.

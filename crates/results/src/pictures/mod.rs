@@ -33,6 +33,7 @@ mod walls;
 #[cfg(test)]
 mod tests;
 
+pub use self::grains::box_of_grains;
 use self::style::Style;
 use glam::DVec3;
 use siloflow_figures::svg::{Finish, Picture};
