@@ -103,6 +103,7 @@ impl<V: Space> Search<V> {
     /// # Errors
     /// If particles touch at a distance larger than the cell size.
     pub fn update(&mut self, store: &ParticleStore<V>, dt: f64, threads: &Threads) -> Result<bool, Failure> {
+        let shares = threads.count().min(store.len() / ROWS_PER_THREAD);
         let renumbered = self.generation != store.generation;
         let mut renewed_some = false;
         let is_next = self.generation + 1 == store.generation;
@@ -118,7 +119,7 @@ impl<V: Space> Search<V> {
                 cells.set_reach(store.prediction.margin + store.prediction.range);
                 // The list is made even after an error, so that the state left by the failed step has a valid list.
                 cells.find(store, &mut self.list);
-                self.list.assign_tasks(store.len(), threads.count().min(store.len() / ROWS_PER_THREAD), BLOCK);
+                self.list.assign_tasks(store.len(), shares, BLOCK);
                 range_check?;
                 true
             }
@@ -134,7 +135,7 @@ impl<V: Space> Search<V> {
             }
         };
         if rebuilt || renumbered || renewed_some {
-            self.list.assign_tasks(store.len(), threads.count().min(store.len() / ROWS_PER_THREAD), BLOCK);
+            self.list.assign_tasks(store.len(), shares, BLOCK);
         }
         Ok(rebuilt)
     }
