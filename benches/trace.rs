@@ -20,7 +20,7 @@
 //! | number | passes in a step |
 //!
 //! The *model* says how many times faster n threads would be than one: time(n) = serial + largest share of work + number of passes x joining of a
-//! pass. Threads share whole blocks of 256 rows. Its assumptions: blocks have equal work, memory serves all cores as it serves the measured ones, and
+//! pass. Threads share whole blocks of rows. Its assumptions: blocks have equal work, memory serves all cores as it serves the measured ones, and
 //! joining takes as long whatever the number of threads.
 //!
 //! A stopwatch between systems costs about 50 ns each, some 30 times in a step. It is part of `serial`. The last line has whole steps without it.

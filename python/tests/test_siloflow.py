@@ -294,7 +294,7 @@ class Guests(InADirectory):
         simulation.advance(10)
 
     def test_an_interrupt_arrives_while_the_engine_steps(self):
-        # A shell that runs the tests in the background has told its children to ignore the interrupt.
+        # Programs that a shell starts in the background ignore the interrupt, and so do their children.
         program = """if True:
             import signal, siloflow
             signal.signal(signal.SIGINT, signal.default_int_handler)

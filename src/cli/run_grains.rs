@@ -109,7 +109,8 @@ impl RunnableScene for Loaded {
     }
 }
 
-/// Returns how many of the threads asked for have work in this scene, and says if that is fewer. Behaviours may make grains, so with them all have.
+/// Returns how many of the threads asked for have work in this scene, and says if that is fewer. Behaviours may make grains, so a scene with
+/// behaviours gets all of them.
 fn useful_threads(loaded: &Loaded, wanted: NonZeroUsize) -> NonZeroUsize {
     let spheres = expected::shapes(loaded);
     let most = NonZeroUsize::new(spheres / ROWS_PER_THREAD).unwrap_or(NonZeroUsize::MIN);
@@ -117,7 +118,7 @@ fn useful_threads(loaded: &Loaded, wanted: NonZeroUsize) -> NonZeroUsize {
         return wanted;
     }
     tracing::info!(
-        "{most} of {wanted} threads: a thread saves time if it has {ROWS_PER_THREAD} spheres or more, and there are {spheres}"
+        "{most} of {wanted} threads have work: a thread needs {ROWS_PER_THREAD} discs or spheres, and the scene has {spheres}"
     );
     most
 }

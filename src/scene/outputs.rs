@@ -21,7 +21,7 @@ pub struct Pictures {
     /// Force whose bond is drawn as wide as the smallest radius, N; forces below a tenth of it are left out. Default: no contact forces are drawn.
     pub network: Option<Positive>,
     /// Lower left and upper right corner of the view, m, to the right and up in the picture; of solid space seen from the front in
-    /// x and z. Default: all grains at the start and all walls, but for what is above the grains of a silo without moving walls.
+    /// x and z. Default: all grains at the start and all walls; where no wall moves, walls up to the highest grain.
     pub view: Option<(FiniteVector, FiniteVector)>,
     /// Where the observer looks; in solid space only. Default `Front`.
     pub direction: Direction,

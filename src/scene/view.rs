@@ -60,7 +60,7 @@ fn full_view(loaded: &Loaded, camera: &Camera) -> (Vector, Vector) {
     (low - margin, high + margin)
 }
 
-/// What the view has to hold.
+/// The things that a view must show, gathered one by one.
 struct Contents<'a> {
     camera: &'a Camera,
     /// Corners in the axes of the camera, m.

@@ -69,12 +69,12 @@ fn pictures_of_a_run_and_of_its_frames_are_the_same_bytes() {
 #[test]
 fn drawings_show_where_the_grains_of_a_run_have_been() {
     let here = tempfile::tempdir().unwrap();
-    let text = "(title: \"wide floor\", gravity: (0.0, -9.81), walls: [Segment(from: (-5.0, 0.0), to: (5.0, 0.0))], \
+    let scene = "(title: \"wide floor\", gravity: (0.0, -9.81), walls: [Segment(from: (-5.0, 0.0), to: (5.0, 0.0))], \
         contact: Linear(k: 1.0e5, damping: Restitution(0.5)), mass: Disc(1000.0), step: Fixed(1.0e-4), until: 0.2, \
         spawner: (point: (0.0, 0.5), velocity: (0.0, 0.0), interval: 0.05, count: 3, radius: Fixed(0.05)), pictures: (interval: 0.1))";
-    fs::write(here.path().join("floor.ron"), text).unwrap();
+    fs::write(here.path().join("floor.ron"), scene).unwrap();
     let output = siloflow(here.path(), &["run", "floor.ron", "--quiet", "--out", "run"]);
-    assert!(output.status.success(), "{}", crate::command_line::text(&output.stderr));
+    assert!(output.status.success(), "{}", text(&output.stderr));
     // Radius on the picture, px. 600 px are 10 m or more in the run's own pictures, and less than 1 m in a drawing.
     let radius = |svg: &str| svg.split(" r=\"").nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap();
     let own = radius(&fs::read_to_string(here.path().join("run/frames/00002.svg")).unwrap());

@@ -75,7 +75,9 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
     let reader = FrameReader::open_within(&path, most).map_err(read)?;
     let header = reader.header.clone();
     let wanted = wanted(args.colour.as_ref(), &pictures.colour, &header);
-    let survey = FrameIndex::of(&header, reader, wanted.name(), &view::camera(&loaded, &pictures)).map_err(read)?;
+    // The places of grains decide the view of a scene that gives none.
+    let camera = pictures.view.is_none().then(|| view::camera(&loaded, &pictures));
+    let survey = FrameIndex::of(&header, reader, wanted.name(), camera.as_ref()).map_err(read)?;
     let selected = survey.select(args);
     if selected.is_empty() {
         return Err(Fault::new("render::no_frames", format!("there is no whole frame in {}", path.display()))
@@ -86,7 +88,7 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<ExitS
     }
     pictures.colour = wanted.colour(survey.range(&selected));
     let mut style = style(&loaded, &pictures);
-    if let (None, Some(grains)) = (pictures.view, survey.box_of_grains) {
+    if let Some(grains) = survey.box_of_grains {
         style.view = view::around(&loaded, style.view, grains);
     }
     let style = sized(style, args, &header);

@@ -22,17 +22,17 @@ pub(super) struct FrameIndex {
     pub ranges: Vec<Option<(f64, f64)>>,
     /// Columns of all frames.
     pub columns: Columns,
-    /// Lower left and upper right corner of the box around all grains of all frames, m, in the axes of the camera.
+    /// Lower left and upper right corner of the box around all grains of all frames, m, in the axes of the camera; `None` without a camera.
     pub box_of_grains: Option<(DVec2, DVec2)>,
 }
 
 impl FrameIndex {
-    /// Reads all frames. With `colour`, also the numbers of that name.
+    /// Reads all frames. With `colour`, also the numbers of that name; with `camera`, also the places of grains.
     pub fn of(
         header: &Header,
         frames: impl Iterator<Item = io::Result<Frame>>,
         colour: Option<&str>,
-        camera: &Camera,
+        camera: Option<&Camera>,
     ) -> io::Result<Self> {
         let mut survey = Self::default();
         for frame in frames {
@@ -40,8 +40,9 @@ impl FrameIndex {
             survey.columns.add(&frame)?;
             survey.times.push(frame.time);
             survey.ranges.push(colour.and_then(|name| range(header, &frame, name)));
-            let both = survey.box_of_grains.into_iter().chain(pictures::box_of_grains(header, &frame, camera));
-            survey.box_of_grains = both.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+            let of_frame = camera.and_then(|camera| pictures::box_of_grains(header, &frame, camera));
+            survey.box_of_grains =
+                survey.box_of_grains.into_iter().chain(of_frame).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         }
         Ok(survey)
     }
