@@ -97,6 +97,11 @@ def run(siloflow, scene, folder, soft, growth, seed):
     done = subprocess.run(list(map(str, words)), capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{done.args} failed:\n{done.stderr}")
+    return figures_of(out)
+
+
+def figures_of(out):
+    """Reads the figures of a run, and its mean overlap at rest over the radius."""
     summary = json.loads((out / "summary.json").read_text())
     rest = summary["rest_time_s"]
     if rest is None or summary["discharge"] is None:
@@ -118,15 +123,19 @@ def run(siloflow, scene, folder, soft, growth, seed):
     return figures, float(last["mean_overlap_ratio"])
 
 
-def measure(siloflow, scene, folder, soft, growth, runs):
-    """Returns the means of the figures and their standard errors."""
-    found = [run(siloflow, scene, folder, soft, growth, seed)[0] for seed in range(1, runs + 1)]
+def average(found):
+    """Returns the mean of each figure over runs, its standard error, and the number of runs that have it."""
     means = {}
     for name in FIGURES:
         values = [figures[name] for figures in found if figures and figures[name] is not None]
         if len(values) > 1:
             means[name] = (statistics.mean(values), statistics.stdev(values) / len(values) ** 0.5, len(values))
     return means
+
+
+def measure(siloflow, scene, folder, soft, growth, runs):
+    """Returns the means of the figures and their standard errors."""
+    return average([run(siloflow, scene, folder, soft, growth, seed)[0] for seed in range(1, runs + 1)])
 
 
 def main():

@@ -50,13 +50,15 @@ def estimate(
     within: str | float | None = None,
     budget: str | None = None,
     grow: bool = False,
+    size: Mapping[str, Any] | None = None,
     out: str | os.PathLike[str] | None = None,
     settings: Mapping[str, Any] | None = None,
     **keys: Any,
 ) -> Estimate:
     """Runs a scene with seeds and softer grains until a figure is known ``within`` a width ("2%", or in its unit) or the ``budget`` ("10min") is used.
 
-    With ``grow`` the radii of softer grains make up for overlaps.
+    With ``grow`` the radii of softer grains make up for overlaps. ``size`` has keys of the scene with values of a larger silo, which is compared
+    (``record["size"]``).
 
     Returns the mean over seeds with its 95 % confidence interval (``siloflow estimate``). Continues where an earlier call with the same ``out`` was.
     """
@@ -65,6 +67,7 @@ def estimate(
     arguments += [] if within is None else ["--within", str(within)]
     arguments += [] if budget is None else ["--budget", budget]
     arguments += ["--grow"] if grow else []
+    arguments += [f"--size={path}={value}" for path, value in _settings(size, {})]
     arguments += [f"--set={path}={value}" for path, value in _settings(settings, keys)]
     done = finish(command(*arguments), accepts_failure=True)
     record: dict[str, Any] = json.loads(done.stdout)

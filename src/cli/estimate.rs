@@ -2,6 +2,7 @@
 
 #[cfg(feature = "report")]
 mod page;
+mod points;
 mod runs;
 mod subject;
 
@@ -14,19 +15,20 @@ use clap::Args;
 
 use crate::behaviour::Registry;
 use crate::cli::estimate::runs::SiloRuns;
-use crate::cli::estimate::subject::Subject;
+use crate::cli::estimate::subject::{Subject, Wishes};
 use crate::cli::exit_status::ExitStatus;
 use crate::cli::run::directory_named;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::available_cores;
-use crate::cli::{SceneArgs, picture_files, refused, say, say_aside, show};
+use crate::cli::{SceneArgs, picture_files, refused, say, say_aside, setting, show};
 use crate::scene::loaded::AnyScene;
 use crate::studies::estimate::answer::Answer;
+use crate::studies::estimate::comparison::{Comparison, compare};
 use crate::studies::estimate::estimator::estimate as estimate_mean;
 use crate::studies::estimate::goal::{Goal, Refusal, Within};
 use crate::studies::estimate::picture::{Round, panels};
 use crate::studies::estimate::results::{Estimate, Outcome, rungs_table, runs_table};
-use crate::studies::estimate::step_check::{StepCheck, check_step};
+use crate::studies::estimate::variant::{Change, Variant};
 use crate::studies::figures::figure::Figure;
 use crate::studies::sweep::Task;
 use crate::studies::sweep::directory::SweepDirectory;
@@ -66,6 +68,9 @@ pub(super) struct EstimateArgs {
     /// Let radii of softer grains make up for the overlaps of the bed at rest, which one more run measures.
     #[arg(long)]
     grow: bool,
+    /// Compare with a larger silo: a key that is in the scene, and its larger value, for example parameters.grains=20000 [may be repeated].
+    #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
+    size: Vec<(String, String)>,
     /// Print estimate.json.
     #[arg(long)]
     json: bool,
@@ -76,6 +81,12 @@ pub(super) struct EstimateArgs {
 
 /// The confidence of all intervals.
 const CONFIDENCE: f64 = 0.95;
+
+/// Runs with half of the step.
+const RUNS_OF_HALF_STEP: usize = 2;
+
+/// Runs of a larger silo.
+const RUNS_OF_LARGER_SILO: usize = 4;
 
 /// The interval without a request.
 const USUAL: Within = Within::Share(0.05);
@@ -99,7 +110,7 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     let begun = Instant::now();
     let scene = args.scene.load()?;
     let figure = Figure::parse(&args.figure, matches!(scene, AnyScene::Lattice(_)))?;
-    let mut subject = Subject::of(&args.scene, &scene, &figure, args.grow);
+    let mut subject = Subject::of(&args.scene, &scene, &figure, &Wishes { grows: args.grow, larger: &args.size })?;
     let path = args.out.clone().map_or_else(|| directory_named(&format!("{}-estimate", subject.name)), Ok)?;
     let sweep = subject.sweep(&args.scene)?;
     if !quiet {
@@ -107,6 +118,9 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     }
     // An error of the scene changes nothing.
     sweep.check(Task { point: 0, seed: subject.seed }, registry)?;
+    if let Some(point) = subject.point(Variant { rung: 0, change: Change::Larger }) {
+        sweep.check(Task { point, seed: subject.seed }, registry)?;
+    }
     let mut goal = Goal {
         within: args.within.or(args.budget.is_none().then_some(USUAL)),
         budget: args.budget,
@@ -123,6 +137,7 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
         directory: &directory,
         figure: &figure,
         ladder: subject.ladder.clone(),
+        variants: subject.points.variants.clone(),
         seed: subject.seed,
         cores: goal.cores,
         signals: &signals,
@@ -136,7 +151,7 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     }
     let mut rounds = Vec::new();
     let result = answer(&subject, &goal, &mut runs, &mut rounds, quiet);
-    let (answer, step) = match result {
+    let Found { answer, step, larger } = match result {
         Ok(found) => found,
         Err(fault) => return refused(fault, true),
     };
@@ -148,6 +163,8 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
         within: goal.within,
         answer: &answer,
         step,
+        size: &subject.larger,
+        larger,
         not_softened: subject.not_softened.as_deref(),
         growth: subject.growth.as_ref(),
         runs: runs.records,
@@ -187,7 +204,9 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
 
 /// Makes the first run of a ladder with growth, and lets the radii on all rungs make up for its overlaps. Its time counts.
 fn grow(subject: &mut Subject, args: &SceneArgs, runs: &mut SiloRuns, goal: &mut Goal) -> Result<(), Fault> {
-    let Some(first) = runs.first(subject.first_point())? else { return Ok(()) };
+    let softest = Variant { rung: subject.ladder.softness().len() - 1, change: Change::Overlaps };
+    let Some(point) = subject.point(softest) else { return Ok(()) };
+    let Some(first) = runs.first(point)? else { return Ok(()) };
     goal.budget = goal.budget.map(|budget| budget - first.cost);
     if let Some(overlap) = first.overlap {
         subject.grow(overlap);
@@ -198,14 +217,23 @@ fn grow(subject: &mut Subject, args: &SceneArgs, runs: &mut SiloRuns, goal: &mut
     Ok(())
 }
 
-/// Finds the answer, then compares half of the step.
+/// What the runs have found.
+struct Found {
+    answer: Answer,
+    /// The effect of half of the step.
+    step: Option<Comparison>,
+    /// The effect of a larger silo.
+    larger: Option<Comparison>,
+}
+
+/// Finds the answer, then compares half of the step and the larger silo.
 fn answer(
     subject: &Subject,
     goal: &Goal,
     runs: &mut SiloRuns,
     rounds: &mut Vec<Round>,
     quiet: bool,
-) -> Result<(Answer, Option<StepCheck>), Fault> {
+) -> Result<Found, Fault> {
     let mut tell = |answer: &Answer| {
         let Some(fit) = answer.fit else { return };
         rounds.push(Round { spent: answer.spent, half: fit.interval.half() });
@@ -213,17 +241,25 @@ fn answer(
             say_aside(&progress(answer, subject, goal));
         }
     };
-    let mut answer = estimate_mean(&subject.ladder, goal, runs, &mut tell)?;
-    // A lattice gas has no step, and a scene without chance would need another measure of what is small.
-    if subject.is_lattice || answer.is_certain || answer.refused == Some(Refusal::Stopped) || goal.is_probability {
-        return Ok((answer, None));
+    let mut found = Found { answer: estimate_mean(&subject.ladder, goal, runs, &mut tell)?, step: None, larger: None };
+    let answer = &mut found.answer;
+    // A probability would need another measure of what is small.
+    if answer.refused == Some(Refusal::Stopped) || goal.is_probability {
+        return Ok(found);
     }
-    let half_step = subject.ladder.softness().len() + answer.softest;
-    let step = check_step(&mut answer, goal, runs, half_step)?;
-    if step.is_some_and(|step| step.is_significant) {
-        answer.refused = answer.refused.or(Some(Refusal::Step));
+    let rung = answer.compared();
+    let half_step = subject.point(Variant { rung, change: Change::HalfStep }).filter(|_| !answer.is_certain);
+    if let Some(point) = half_step {
+        found.step = compare(answer, goal, runs, &[point; RUNS_OF_HALF_STEP])?;
+        if found.step.is_some_and(|step| step.is_significant) {
+            answer.refused = answer.refused.or(Some(Refusal::Step));
+        }
     }
-    Ok((answer, step))
+    if let Some(point) = subject.point(Variant { rung, change: Change::Larger }) {
+        let count = if answer.is_certain { 1 } else { RUNS_OF_LARGER_SILO };
+        found.larger = compare(answer, goal, runs, &vec![point; count])?;
+    }
+    Ok(found)
 }
 
 /// A line about the state of an estimate.

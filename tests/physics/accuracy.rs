@@ -76,6 +76,8 @@ fn centred_scheme_is_of_second_order_and_never_worse_than_verlet() {
         "stacked-pair",
         "slip-to-roll",
         "vibrating-floor",
+        "piston-floor",
+        "piston-lid",
         "column",
     ];
     for name in names {
@@ -114,6 +116,8 @@ fn verlet_is_of_first_order_in_every_damped_case() {
         "stacked-pair",
         "slip-to-roll",
         "vibrating-floor",
+        "piston-floor",
+        "piston-lid",
         "column",
     ];
     for name in names {

@@ -131,6 +131,46 @@ fn with_growth_softer_grains_are_larger_and_a_bed_without_rest_is_told() {
 }
 
 #[test]
+fn a_larger_silo_is_compared_with_the_runs_of_its_stiffness() {
+    let here = here(SCENE);
+    let figure = ["--figure", "grains.out", "--within", "3", "--json"];
+    // Twice the grains: twice as many leave, but for the few that stay beside the door.
+    let output = estimate(here.path(), &[&figure[..], &["--size", "fill[0].count=80", "--out", "more"]].concat());
+    let found = json(&output);
+    let size = &found["size"];
+    let change = size["change"].as_f64().unwrap();
+    assert!(output.status.success() && (30.0..=50.0).contains(&change), "{found:#}");
+    assert!(size["is_significant"] == true && size["settings"][0] == "fill[0].count = 80", "{found:#}");
+    let runs = found["runs"].as_array().unwrap();
+    let larger: Vec<_> = runs.iter().filter(|run| run["is_larger"] == true).collect();
+    assert_eq!(larger.len(), 4);
+    let softest = runs.iter().filter(|run| run["softness"] == larger[0]["softness"]);
+    let own: Vec<_> = softest.filter(|run| run["is_larger"] == false && run["step_share"] == 1.0).collect();
+    assert!(!own.is_empty(), "{found:#}");
+    let mean = |of: &[&Value]| of.iter().map(|run| run["value"].as_f64().unwrap()).sum::<f64>() / of.len() as f64;
+    assert!((change - (mean(&larger) - mean(&own))).abs() < 1e-9, "{found:#}");
+    // The value is that of the scene itself.
+    assert!(found["value"].as_f64().unwrap() <= 40.0, "{found:#}");
+    // A later end changes nothing once the flow has ended.
+    let output = estimate(here.path(), &[&figure[..], &["--size", "until=3.5", "--out", "later"]].concat());
+    let found = json(&output);
+    assert!(found["size"]["is_significant"] == false, "{found:#}");
+}
+
+#[test]
+fn a_larger_silo_without_chance_is_compared_exactly() {
+    let here = tempfile::tempdir().unwrap();
+    let scene = "(gravity: (0.0, -10.0), contact: Linear(k: 1.0e3, damping: Restitution(0.5)), mass: Disc(10.0), step: Fixed(1.0e-4), walls: [], \
+        fill: [(low: (0.0, 0.0), high: (1.0, 1.0), spacing: 0.3, radius: Fixed(0.1), count: 2)], until: 0.1, pictures: None)";
+    fs::write(here.path().join("trough.ron"), scene).unwrap();
+    let output = estimate(here.path(), &["--figure", "grains.released", "--size", "fill[0].count=5", "--json"]);
+    let found = json(&output);
+    assert!(found["is_certain"] == true && found["value"] == 2.0, "{found:#}");
+    assert!(found["size"]["change"] == 3.0 && found["size"]["error"] == 0.0, "{found:#}");
+    assert!(found["size"]["is_significant"] == true, "{found:#}");
+}
+
+#[test]
 fn windows_of_the_outflow_follow_the_door() {
     let here = here(SCENE);
     let output = siloflow(here.path(), &["run", "trough.ron", "--json", "--quiet"]);
@@ -211,6 +251,9 @@ fn wrong_calls_are_refused_and_leave_nothing() {
         (&["--figure", "grains.out", "--within", "none"], "expected a share such as 2%"),
         (&["--figure", "grains.out", "--budget", "-3s"], "unexpected argument"),
         (&["--figure", "grains.out", "--set", "parameters.stif=1"], "stiff"),
+        (&["--figure", "grains.out", "--size", "parameters.grains=80"], "does not have this key"),
+        (&["--figure", "grains.out", "--size", "fill[0].count=-1"], "count"),
+        (&["--figure", "grains.out", "--size", "count"], "="),
         (&[], "--figure"),
     ] {
         let here = here(SCENE);

@@ -233,7 +233,18 @@ fn a_door_of_shaped_bodies_opens_at_its_time_and_every_grain_is_out() {
         assert_eq!(out_at(&scene, dt, &[opening, scene.scene.until.get()]), [(0, 0), (grains, 0)], "{text}");
         // The door is as wide as all its spheres together, and each of them narrower than a grain.
         let warned: Vec<_> = siloflow::scene::check::warnings(&scene).iter().map(|warning| warning.code).collect();
-        assert!(!warned.contains(&"check::narrow_door"), "{warned:?}");
+        assert!(!warned.contains(&"check::narrow_door") && !warned.contains(&"check::gap_in_door"), "{warned:?}");
+        // Farther apart, the bodies of the door leave gaps.
+        let farther = [
+            ("low: (0.0, -0.1), high: (0.6, 0.05), spacing: 0.15", "low: (0.0, -0.2), high: (0.6, 0.1), spacing: 0.3"),
+            (
+                "low: (0.0, 0.0, -0.025), high: (0.2, 0.2, 0.0), spacing: 0.025",
+                "low: (0.0, 0.0, -0.05), high: (0.2, 0.2, 0.0), spacing: 0.05",
+            ),
+        ];
+        let (near, far) = farther.into_iter().find(|(near, _)| text.contains(near)).unwrap();
+        let gaps = siloflow::scene::check::warnings(&loaded(&text.replace(near, far)));
+        assert!(gaps.iter().any(|warning| warning.code == "check::gap_in_door"), "{gaps:?}");
     }
 }
 

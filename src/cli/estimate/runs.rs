@@ -8,6 +8,7 @@ use crate::studies::estimate::estimator::Sampler;
 use crate::studies::estimate::growth::overlap_at_rest;
 use crate::studies::estimate::results::RunRecord;
 use crate::studies::estimate::rung::Sample;
+use crate::studies::estimate::variant::{Change, Variant};
 use crate::studies::figures::figure::Figure;
 use crate::studies::sweep::directory::{State, SweepDirectory};
 use crate::studies::sweep::{Sweep, Task};
@@ -21,6 +22,8 @@ pub(super) struct SiloRuns<'a> {
     pub directory: &'a SweepDirectory,
     pub figure: &'a Figure,
     pub ladder: Ladder,
+    /// The kinds of the runs of each point.
+    pub variants: Vec<Variant>,
     /// Seed of the first run of each point.
     pub seed: u64,
     pub cores: usize,
@@ -64,15 +67,14 @@ impl SiloRuns<'_> {
         let value = self.figure.of(&run)?;
         let cost = summary["performance"]["wall_s"].as_f64().unwrap_or(0.0);
         let state = summary["state_hash"].as_str().and_then(|text| u64::from_str_radix(text, 16).ok());
-        let rungs = self.ladder.softness();
-        // With growth the last point is the softest rung without it.
-        let is_first = task.point == 2 * rungs.len();
+        let Variant { rung, change } = self.variants[task.point];
         self.records.push(RunRecord {
             run: self.sweep.run_name(task),
-            softness: if is_first { rungs[rungs.len() - 1] } else { rungs[task.point % rungs.len()] },
-            overlaps_only: is_first,
+            softness: self.ladder.softness()[rung],
+            overlaps_only: change == Change::Overlaps,
             growth: summary["growth"].as_f64().unwrap_or(0.0),
-            step_share: if task.point < rungs.len() || is_first { 1.0 } else { 0.5 },
+            step_share: if change == Change::HalfStep { 0.5 } else { 1.0 },
+            is_larger: change == Change::Larger,
             seed: task.seed,
             status: summary["status"].as_str().unwrap_or_default().to_owned(),
             value,

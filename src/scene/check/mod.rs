@@ -9,6 +9,7 @@
 //!   and is compressed by that force over k.
 //! * Adhesion: the overlap that it causes in two bodies that touch at rest.
 //! * The door (`check/doors.rs`): without wall discs on both sides it has no orifice through which a grain could count as out.
+//!   Between the spheres of a door (`check/door_gaps.rs`) there must be no gap.
 //! * The path (`check/tunnelling.rs`): a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
 //! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
 //! * The silo (`check/silo.rs`): gravity upwards, a feed outside, another unit, an outlet that clogs, a step that is far too short.
@@ -21,6 +22,7 @@
 pub mod automatic;
 mod bed;
 pub mod crowd;
+mod door_gaps;
 mod doors;
 pub mod estimates;
 mod falling;
@@ -106,6 +108,7 @@ fn examined(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
         });
     }
     doors::examine(loaded, estimates.radius, &mut warnings);
+    door_gaps::examine(loaded, &mut warnings);
     silo::examine_with(loaded, &estimates, &mut warnings);
     warnings
 }

@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::Scheme;
 use super::case::{Answer, Case};
-use super::reference::{Clump, Floor, Law, Rolling, State, System, Vibration};
+use super::reference::{Clump, Floor, Law, Piston, Rolling, State, System, Vibration};
 use crate::behaviour::Registry;
 use crate::grains::file::GrainRow;
 use crate::grains::shaped::Posture;
@@ -23,6 +23,8 @@ use siloflow_dem::outcome::End;
 use siloflow_dem::particle::{Grain, GrainId, Position, Species, Velocity};
 use siloflow_dem::space::{Plane, Rotor, Solid};
 use siloflow_dem::spin::Spin;
+use siloflow_dem::walls::free::FreeState;
+use siloflow_dem::walls::surfaces::Surfaces;
 use siloflow_text::fault::Fault;
 
 /// Builds the scene that holds these copies: its text and its grains. `dt` is the step and `until` the end, both in s.
@@ -36,7 +38,8 @@ pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f6
     let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
     let mut number = 0;
     for (copy, answer) in answers.iter().enumerate() {
-        for (i, disc) in answer.system.discs.iter().enumerate().filter(|&(i, _)| !is_member(&answer.system, i)) {
+        let is_grain = |i: usize| !is_member(&answer.system, i) && !answer.system.is_floor(i);
+        for (i, disc) in answer.system.discs.iter().enumerate().filter(|&(i, _)| is_grain(i)) {
             number += 1;
             let id =
                 GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "the case has too many grains"))?;
@@ -123,12 +126,18 @@ fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
     let mut rows: Vec<_> = query.iter(world).map(grain).collect();
     rows.sort_unstable_by_key(|row| row.0);
     let mut rows = rows.into_iter();
+    let mut pistons = free_states(world).into_iter();
     let state_of_copy = |copy: usize| {
         let Answer { system, start, .. } = &answers[copy];
         let mut state = State { x: Vec::new(), v: Vec::new(), w: Vec::new() };
         let mut rotor = DVec2::X;
         for i in 0..system.discs.len() {
-            if let Some(clump) = system.clumps.iter().find(|clump| clump.members.contains(&i)) {
+            if let Some(floor) = system.floors.iter().find(|floor| floor.piston.is_some_and(|it| it.disc == i)) {
+                let moved = pistons.next().unwrap_or_default();
+                state.x.push(start.x[i] + floor.normal * moved.coordinate);
+                state.v.push(floor.normal * moved.rate);
+                state.w.push(0.0);
+            } else if let Some(clump) = system.clumps.iter().find(|clump| clump.members.contains(&i)) {
                 // The arm at the start, turned.
                 let back = DVec2::new(axis(clump, start).x, -axis(clump, start).y);
                 let arm = rotor.rotate(back.rotate(start.x[i] - start.x[clump.centre]));
@@ -148,6 +157,15 @@ fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
     (0..answers.len()).map(state_of_copy).collect()
 }
 
+/// Returns the states of the free walls, in the order of the scene.
+fn free_states(world: &World) -> Vec<FreeState> {
+    world
+        .get_resource::<Surfaces<Plane>>()
+        .into_iter()
+        .flat_map(|walls| walls.free().map(|(_, state)| *state))
+        .collect()
+}
+
 /// Returns the key `shapes` of a system with clumps, which all have the shape of the first.
 fn shapes(system: &System) -> String {
     let Some(clump) = system.clumps.first() else { return String::new() };
@@ -164,33 +182,66 @@ fn vector(v: DVec2) -> String {
     format!("({:?}, {:?})", v.x, v.y)
 }
 
-/// Returns the keys of the floors. All copies share the floors at rest. Every copy has a piece of its own of a floor that vibrates, because
+/// Returns the keys of the floors. All copies share the floors at rest. Every copy has a piece of its own of a floor that moves, because
 /// the copies begin at different phases. `width` is the distance of the copies, m.
 fn floors(answers: &[Answer], width: f64) -> String {
-    let mut walls = String::new();
-    let mut motions = String::new();
-    for Floor { point, normal, .. } in
-        answers.first().into_iter().flat_map(|answer| &answer.system.floors).filter(|floor| floor.vibration.is_none())
-    {
+    let mut keys = FloorKeys::default();
+    let Some(first) = answers.first() else { return String::new() };
+    for Floor { point, normal, .. } in first.system.floors.iter().filter(|floor| !floor.moves()) {
         // Writing to a string cannot fail.
-        let _ = write!(walls, "HalfPlane(point: {}, normal: {}), ", vector(*point), vector(*normal));
+        let _ = write!(keys.walls, "HalfPlane(point: {}, normal: {}), ", vector(*point), vector(*normal));
     }
     for (copy, answer) in answers.iter().enumerate() {
         for (number, floor) in answer.system.floors.iter().enumerate() {
-            let Some(Vibration { amplitude, frequency }) = floor.vibration else { continue };
-            let middle = floor.point + floor.motion(answer.began)[0] + offset(width, copy);
-            let [from, to] = [-0.5, 0.5].map(|share| vector(middle + floor.normal.perp() * share * width));
-            let name = format!("{copy} {number}");
+            keys.add(floor, answer, &format!("{copy} {number}"), offset(width, copy), width);
+        }
+    }
+    let FloorKeys { walls, motions, free } = keys;
+    let free = if free.is_empty() { free } else { format!(", free_walls: [{free}]") };
+    format!("walls: [{walls}], motions: [{motions}]{free}")
+}
+
+/// Entries of the keys of floors.
+#[derive(Default)]
+struct FloorKeys {
+    walls: String,
+    motions: String,
+    free: String,
+}
+
+impl FloorKeys {
+    /// Adds the piece of a floor that moves, shifted by `offset` (m) and of this width (m).
+    fn add(&mut self, floor: &Floor, answer: &Answer, name: &str, offset: DVec2, width: f64) {
+        let mut piece = |middle: DVec2| {
+            let [from, to] = [-0.5, 0.5].map(|share| vector(middle + offset + floor.normal.perp() * share * width));
+            // Writing to a string cannot fail.
+            let _ = write!(self.walls, "Segment(from: {from}, to: {to}, name: \"{name}\"), ");
+        };
+        if let Some(Vibration { amplitude, frequency }) = floor.vibration {
+            piece(floor.point + floor.motion(answer.began)[0]);
             let amplitude = vector(amplitude);
             let phase = TAU * frequency * answer.began;
-            let _ = write!(walls, "Segment(from: {from}, to: {to}, name: \"{name}\"), ");
+            // As above.
             let _ = write!(
-                motions,
+                self.motions,
                 "(walls: \"{name}\", translate: Oscillate(amplitude: {amplitude}, frequency: {frequency:?}, phase: {phase:?})), "
             );
         }
+        if let Some(Piston { disc, load, spring }) = floor.piston {
+            let shift = (answer.start.x[disc] - floor.point).dot(floor.normal);
+            piece(floor.point + floor.normal * shift);
+            let [along, rest] = [vector(floor.normal), format!("{:?}", -shift)];
+            let mass = answer.system.discs[disc].mass;
+            let rate = answer.start.v[disc].dot(floor.normal);
+            let spring =
+                if spring > 0.0 { format!("spring: (stiffness: {spring:?}, rest: {rest}), ") } else { String::new() };
+            // As above.
+            let _ = write!(
+                self.free,
+                "(walls: \"{name}\", moves: Along({along}), mass: {mass:?}, load: {load:?}, {spring}rate: {rate:?}, stops: (-1.0, 1.0)), "
+            );
+        }
     }
-    format!("walls: [{walls}], motions: [{motions}]")
 }
 
 /// Returns the scene's text, without grains. `floors` has the keys of the floors.

@@ -47,6 +47,12 @@ impl Answer {
         ladder.fit(&groups, goal.confidence)
     }
 
+    /// The rung whose runs are compared with those of a changed scene: the softest that counts, or the scene's own if the seed has no effect.
+    #[must_use]
+    pub fn compared(&self) -> usize {
+        if self.is_certain { 0 } else { self.softest }
+    }
+
     /// The stiffest rung with the figure.
     #[must_use]
     pub fn stiffest(&self) -> usize {

@@ -46,8 +46,8 @@ pub trait Sampler {
         Ok(Vec::new())
     }
 
-    /// Makes a run of each of these rungs, independent of all others. Rung n + m of a ladder with n rungs is rung m with half
-    /// of its step.
+    /// Makes a run of each of these rungs, independent of all others. Numbers beyond the ladder are those of changed scenes, for
+    /// [`compare`](super::comparison::compare).
     ///
     /// # Errors
     /// If no run can be made.

@@ -12,7 +12,8 @@
 //! | the runs of one stiffness | [`rung`] |
 //! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
 //! | what is asked for, the answer | [`goal`], [`answer`] |
-//! | the effect of half of the step | [`step_check`] |
+//! | the effect of half of the step, of a larger silo | [`comparison`] |
+//! | what a run changes | [`variant`] |
 //! | results: JSON, tables, words | [`results`], [`words`] |
 //! | the figure of value against softness | [`picture`] |
 //!
@@ -20,6 +21,7 @@
 //! a single run is another number, and stands beside it.
 
 pub mod answer;
+pub mod comparison;
 pub mod design;
 pub mod estimator;
 pub mod goal;
@@ -29,7 +31,7 @@ pub mod results;
 pub mod rung;
 pub mod softening;
 pub mod softness;
-pub mod step_check;
+pub mod variant;
 pub mod words;
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ pub fn panels(
 fn against_softness(title: &str, figure: &str, ladder: &Ladder, answer: &Answer, runs: &[RunRecord]) -> Panel {
     let of = |is_counted: bool| {
         let softest = ladder.softness()[answer.softest];
-        let counts = move |run: &RunRecord| run.softness <= softest && run.step_share >= 1.0 && !run.overlaps_only;
+        let counts = move |run: &RunRecord| run.softness <= softest && run.is_of_ladder();
         let mine = runs.iter().filter(move |run| counts(run) == is_counted);
         mine.filter_map(|run| Some((run.softness, run.value?))).collect::<Vec<_>>()
     };

@@ -8,9 +8,9 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::answer::Answer;
+use super::comparison::Comparison;
 use super::goal::Within;
 use super::growth::Growth;
-use super::step_check::StepCheck;
 use siloflow_figures::statistics::extrapolation::{Group, Ladder};
 
 /// A run of an estimate.
@@ -26,6 +26,8 @@ pub struct RunRecord {
     pub overlaps_only: bool,
     /// Its step over that of the other runs of this softness: 1 or 1/2.
     pub step_share: f64,
+    /// Whether its silo is the larger one.
+    pub is_larger: bool,
     /// Its seed.
     pub seed: u64,
     /// Its status.
@@ -34,6 +36,14 @@ pub struct RunRecord {
     pub value: Option<f64>,
     /// Time on its core, s.
     pub wall_s: f64,
+}
+
+impl RunRecord {
+    /// Whether its figure may count for the value.
+    #[must_use]
+    pub fn is_of_ladder(&self) -> bool {
+        self.step_share >= 1.0 && !self.is_larger && !self.overlaps_only
+    }
 }
 
 /// Halves of the width of the interval by their source, in the unit of the figure.
@@ -56,6 +66,19 @@ pub struct GrowthFigures {
     pub overlap: f64,
     /// Softness of that run.
     pub softness: f64,
+}
+
+/// The effect of a larger silo.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SizeFigures {
+    /// Its keys and values, as `--size` gave them.
+    pub settings: Vec<String>,
+    /// Change of the mean; `null` if it was not compared.
+    pub change: Option<f64>,
+    /// Standard error of this change.
+    pub error: Option<f64>,
+    /// Whether it is more than chance, at a significance of 1 %.
+    pub is_significant: bool,
 }
 
 /// The cost of a narrower interval.
@@ -113,6 +136,8 @@ pub struct Estimate {
     pub not_softened: Option<String>,
     /// The growth of softer grains; `null` without.
     pub growth: Option<GrowthFigures>,
+    /// The effect of a larger silo; `null` without.
+    pub size: Option<SizeFigures>,
     /// Cost of an interval of half this width.
     pub tighter: Option<Tighter>,
     /// Number of runs without the figure.
@@ -141,7 +166,11 @@ pub struct Outcome<'a> {
     /// The answer.
     pub answer: &'a Answer,
     /// The effect of half of the step.
-    pub step: Option<StepCheck>,
+    pub step: Option<Comparison>,
+    /// The keys and values of a larger silo.
+    pub size: &'a [String],
+    /// Its effect.
+    pub larger: Option<Comparison>,
     /// Why the contacts were not made softer.
     pub not_softened: Option<&'a str>,
     /// The growth of softer grains.
@@ -195,6 +224,12 @@ impl Estimate {
             spread: fit.filter(|_| certain.is_none()).map(|fit| fit.deviation),
             law,
             not_softened: outcome.not_softened.map(str::to_owned),
+            size: (!outcome.size.is_empty()).then(|| SizeFigures {
+                settings: outcome.size.to_vec(),
+                change: outcome.larger.map(|it| it.change),
+                error: outcome.larger.map(|it| it.error),
+                is_significant: outcome.larger.is_some_and(|it| it.is_significant),
+            }),
             growth: outcome.growth.map(|it| GrowthFigures { overlap: it.overlap, softness: it.softness }),
             tighter,
             missing: answer.missing(),
@@ -209,13 +244,15 @@ impl Estimate {
 /// Returns a table with a row for each run.
 #[must_use]
 pub fn runs_table(runs: &[RunRecord]) -> String {
-    let mut text = String::from("run,softness,growth,overlaps_only,step_share,seed,status,value,wall_s\n");
+    let mut text = String::from("run,softness,growth,overlaps_only,step_share,is_larger,seed,status,value,wall_s\n");
     for run in runs {
         let value = run.value.map_or_else(String::new, |value| value.to_string());
-        let RunRecord { run, softness, growth, overlaps_only, step_share, seed, status, wall_s, .. } = run;
+        let RunRecord { run, softness, growth, overlaps_only, step_share, is_larger, seed, status, wall_s, .. } = run;
         // Writing to a string cannot fail.
-        let _ =
-            writeln!(text, "{run},{softness},{growth},{overlaps_only},{step_share},{seed},{status},{value},{wall_s}");
+        let _ = writeln!(
+            text,
+            "{run},{softness},{growth},{overlaps_only},{step_share},{is_larger},{seed},{status},{value},{wall_s}"
+        );
     }
     text
 }

@@ -51,15 +51,10 @@ impl Softening {
         if keys.iter().any(is_spring) { Ok(Self(keys)) } else { Err("the scene names no stiffness".to_owned()) }
     }
 
-    /// The paths of the keys.
-    pub fn paths(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().map(|key| key.path.as_str())
-    }
-
-    /// Returns the values at a softness, in the order of [`Softening::paths`]. At softness 1 they are those of the scene.
+    /// Returns the keys and their values at a softness. At softness 1 they are those of the scene.
     #[must_use]
-    pub fn values(&self, softness: f64) -> Vec<String> {
-        self.0.iter().map(|key| scaled(&key.value, softness, key.power)).collect()
+    pub fn settings(&self, softness: f64) -> Vec<(String, String)> {
+        self.0.iter().map(|key| (key.path.clone(), scaled(&key.value, softness, key.power))).collect()
     }
 }
 
@@ -113,8 +108,7 @@ mod tests {
     use super::*;
 
     fn softened(text: &str, softness: f64) -> Vec<(String, String)> {
-        let softening = Softening::of(&Source::new("a.ron", "a", Path::new(""), text.to_owned())).unwrap();
-        softening.paths().map(str::to_owned).zip(softening.values(softness)).collect()
+        Softening::of(&Source::new("a.ron", "a", Path::new(""), text.to_owned())).unwrap().settings(softness)
     }
 
     fn pairs(list: &[(&str, &str)]) -> Vec<(String, String)> {

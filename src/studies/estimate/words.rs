@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::results::{Estimate, GrowthFigures, LawFigures, Tighter};
+use super::results::{Estimate, GrowthFigures, LawFigures, SizeFigures, Tighter};
 use siloflow_figures::statistics::digits::{digits, short};
 
 /// A part of the answer.
@@ -63,6 +63,18 @@ impl Estimate {
         if let Some(GrowthFigures { overlap, softness }) = self.growth {
             let words = "radii make up for the overlaps of a bed at rest";
             add("growth", format!("{words}, {overlap:.4} of the radius on average at s = {softness}"));
+        }
+        if let Some(SizeFigures { settings, change, error, is_significant }) = &self.size {
+            let with = settings.join(", ");
+            let words = match change.zip(*error) {
+                Some((change, error)) => {
+                    let chance = if *is_significant { "more than chance" } else { "no more than chance" };
+                    let [change, error, part] = [digits(change, 2), digits(error, 2), share(change)];
+                    format!("{with} changes it by {change} ± {error}{part}: {chance}")
+                }
+                None => format!("{with} was not compared"),
+            };
+            add("size", words);
         }
         if let Some(why) = &self.not_softened {
             add("stiffness", format!("that of the scene in all runs: {why}"));

@@ -1,6 +1,6 @@
-//! Flat convex polygons: the part on one side of a plane, the area, and polygons that share whole edges.
+//! Flat convex polygons: the hull of points, the part on one side of a plane, the area, and polygons that share whole edges.
 
-use crate::space::{Linear, Solid, Space};
+use crate::space::{Linear, Solid, Space, Vector};
 
 /// Returns the part of a convex polygon in which `depth`, a linear function of the place, is not negative.
 pub(crate) fn clip<V: Space>(corners: &[V], depth: impl Fn(V) -> f64) -> Vec<V> {
@@ -56,6 +56,29 @@ fn between<V: Space>(from: V, to: V, points: &[V], tolerance: f64) -> Vec<V> {
     found.sort_by(|a, b| place(*a).total_cmp(&place(*b)));
     found.dedup_by(|a, b| a.distance(*b) < tolerance);
     found
+}
+
+/// Returns the corners of the convex hull of some points, once round it from the leftmost one and back to it (Andrew, Inf. Process. Lett. 9, 216, 1979). The
+/// rightmost corner stands there twice. The points that are farthest apart are corners.
+#[must_use]
+pub fn hull(mut points: Vec<Vector>) -> Vec<Vector> {
+    points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.dedup();
+    let chain = |points: &mut dyn Iterator<Item = Vector>| {
+        let mut chain: Vec<Vector> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && (b - a).perp_dot(point - b) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain
+    };
+    let mut lower = chain(&mut points.iter().copied());
+    lower.extend(chain(&mut points.iter().rev().copied()));
+    lower
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use rustc_hash::FxHashMap;
 
 use crate::neighbours::cells::floor;
 use crate::space::{Plane, Vector};
+use crate::walls::clip::hull;
 use crate::walls::disc_links::disc_links;
 use crate::walls::link::Link;
 use crate::walls::paths::{Crossing, Paths};
@@ -187,31 +188,10 @@ fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
 /// Returns the centres of the two door grains that are farthest apart.
 fn farthest_pair(door: &[Disc]) -> Option<[Vector; 2]> {
     let centres: Vec<_> = door.iter().map(|disc| disc.centre).collect();
-    let ends = if centres.len() > MANY { corners(centres) } else { centres };
+    let ends = if centres.len() > MANY { hull(centres) } else { centres };
     let pairs = ends.iter().flat_map(|&a| ends.iter().map(move |&b| [a, b]));
     let length = |[from, to]: [Vector; 2]| from.distance(to);
     pairs.reduce(|best, pair| if length(pair) > length(best) { pair } else { best })
-}
-
-/// Returns the corners of the convex hull of some points: those farthest apart are among them (Andrew, Inf. Process. Lett. 9, 216, 1979).
-fn corners(mut points: Vec<Vector>) -> Vec<Vector> {
-    points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    points.dedup();
-    let chain = |points: &mut dyn Iterator<Item = Vector>| {
-        let mut chain: Vec<Vector> = Vec::new();
-        for point in points {
-            while let [.., a, b] = chain[..]
-                && (b - a).perp_dot(point - b) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(point);
-        }
-        chain
-    };
-    let mut lower = chain(&mut points.iter().copied());
-    lower.extend(chain(&mut points.iter().rev().copied()));
-    lower
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 
 mod area;
 pub(crate) mod box_tree;
-mod clip;
+pub mod clip;
 pub mod config;
 pub mod conveyor;
 mod disc_links;

@@ -9,6 +9,7 @@ mod draw;
 mod free_flight;
 mod gas;
 mod oblique;
+mod piston;
 mod roll;
 mod stacked;
 mod vibrating_floor;
@@ -24,6 +25,8 @@ pub fn all() -> Vec<Case> {
     cases.extend(chain::cases());
     cases.extend(oblique::cases());
     cases.extend(clump::cases());
-    cases.extend([stacked::case(), roll::case(), vibrating_floor::case(), gas::case(), column::case(), bed()]);
+    cases.extend([stacked::case(), roll::case(), vibrating_floor::case()]);
+    cases.extend(piston::cases());
+    cases.extend([gas::case(), column::case(), bed()]);
     cases
 }

@@ -21,6 +21,8 @@
 //!
 //! A [`Clump`] is a rigid body of discs. The discs move as the body says: with the centre X, r = x - X and the spin w, x'' = X'' + w' z x r - w^2 r.
 //!
+//! A [`Piston`] is a floor that forces shift along its normal. Its place and rate are those of a disc of the system, so that it is integrated like one.
+//!
 //! Each contact is in a mode (`contact`) in which its force is smooth. [`path`] integrates with the classical
 //! fourth-order Runge-Kutta scheme and ends a step where a mode ends. [`closed`] has the closed forms. `moduli` has the
 //! coefficients of a contact.
@@ -141,6 +143,19 @@ pub struct Floor {
     pub normal: DVec2,
     /// Vibration, if any.
     pub vibration: Option<Vibration>,
+    /// The forces that shift it, if any.
+    pub piston: Option<Piston>,
+}
+
+/// What shifts a floor along its normal: gravity, a load, a spring, and the discs on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Piston {
+    /// The disc that stands for the floor: its mass, its place on the surface, its velocity. It has no radius and touches nothing.
+    pub disc: usize,
+    /// Load along the normal, N.
+    pub load: f64,
+    /// Stiffness of a spring, N/m, that is relaxed where the disc is at the `point` of the floor.
+    pub spring: f64,
 }
 
 /// A motion A sin(2 pi f t).
@@ -156,10 +171,16 @@ impl Floor {
     /// Returns the floor through a point (m), at rest.
     #[must_use]
     pub fn still(point: DVec2, normal: DVec2) -> Self {
-        Self { point, normal, vibration: None }
+        Self { point, normal, vibration: None, piston: None }
     }
 
-    /// Returns shift (m) and velocity (m/s) at a time (s).
+    /// Whether it moves.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.vibration.is_some() || self.piston.is_some()
+    }
+
+    /// Returns shift (m) and velocity (m/s) at a time (s) by its vibration.
     #[must_use]
     pub fn motion(&self, time: f64) -> [DVec2; 2] {
         let Some(Vibration { amplitude, frequency }) = self.vibration else { return [DVec2::ZERO; 2] };
@@ -220,10 +241,16 @@ impl System {
         self.touches(i) && self.touches(j) && !self.clumps.iter().any(are_one)
     }
 
-    /// Whether a disc touches others: it is no centre of a clump.
+    /// Whether a disc touches others: it is no centre of a clump, and no floor.
     #[must_use]
     pub fn touches(&self, i: usize) -> bool {
-        !self.clumps.iter().any(|clump| clump.centre == i)
+        !self.clumps.iter().any(|clump| clump.centre == i) && !self.is_floor(i)
+    }
+
+    /// Whether a disc stands for a floor.
+    #[must_use]
+    pub fn is_floor(&self, i: usize) -> bool {
+        self.floors.iter().any(|floor| floor.piston.is_some_and(|piston| piston.disc == i))
     }
 
     /// Returns the state at time 0.

@@ -12,7 +12,7 @@
 use glam::DVec2;
 
 use super::contact::{EVENTS, Link, Meeting, Normal, Other, SLIDERS, Side};
-use super::{Clump, INERTIA, State, System};
+use super::{Clump, INERTIA, Piston, State, System};
 
 /// A state with the springs (m) of friction and rolling of all contacts, or the rate of change of both.
 #[derive(Clone, Debug)]
@@ -146,15 +146,20 @@ impl<'a> Path<'a> {
         };
         let other = match link.other {
             Other::Disc(j) => side(j),
-            Other::Floor(f) => self.floor(f, self.time + t),
+            Other::Floor(f) => self.floor(f, self.time + t, side),
         };
         let springs = interpolate(&|flow| DVec2::from_array(flow.springs[number]));
         (link.meeting(self.system, side(link.i), other), springs.to_array())
     }
 
-    /// Returns a floor at a time, s.
-    fn floor(&self, number: usize, time: f64) -> Side {
-        let [x, v] = self.system.floors[number].motion(time);
+    /// Returns the shift and the velocity of a floor at a time, s. `disc` has the place and the velocity of each disc then.
+    fn floor(&self, number: usize, time: f64, disc: impl Fn(usize) -> Side) -> Side {
+        let floor = &self.system.floors[number];
+        if let Some(piston) = floor.piston {
+            let side = disc(piston.disc);
+            return Side { x: side.x - floor.point, ..side };
+        }
+        let [x, v] = floor.motion(time);
         Side { x, v, w: 0.0 }
     }
 
@@ -162,7 +167,7 @@ impl<'a> Path<'a> {
         let side = |i: usize| Side { x: state.x[i], v: state.v[i], w: state.w[i] };
         let other = match link.other {
             Other::Disc(j) => side(j),
-            Other::Floor(f) => self.floor(f, time),
+            Other::Floor(f) => self.floor(f, time, side),
         };
         link.meeting(self.system, side(link.i), other)
     }
@@ -186,9 +191,21 @@ impl<'a> Path<'a> {
                 loads[i] = (loads[i].0 + force, loads[i].1 + torque);
             };
             push(link.i, force, rolling);
-            if let Other::Disc(j) = link.other {
-                push(j, -force, -rolling);
+            match link.other {
+                Other::Disc(j) => push(j, -force, -rolling),
+                Other::Floor(f) => {
+                    if let Some(piston) = self.system.floors[f].piston {
+                        loads[piston.disc].0 -= force;
+                    }
+                }
             }
+        }
+        for floor in &self.system.floors {
+            let Some(Piston { disc, load, spring }) = floor.piston else { continue };
+            let shift = (flow.state.x[disc] - floor.point).dot(floor.normal);
+            let of_grains = loads[disc].0.dot(floor.normal);
+            let pull = self.system.gravity.dot(floor.normal);
+            a[disc] = floor.normal * (pull + (load - spring * shift + of_grains) / discs[disc].mass);
         }
         for clump in &self.system.clumps {
             self.move_rigidly(clump, &flow.state, &loads, (&mut a, &mut turns));

@@ -1,0 +1,168 @@
+//! Doors made of spheres (discs) with gaps. A grain is out when the path of its centre crosses the place of a sphere of the door, so that a path through a gap is
+//! not counted, and the grain is lost at the cull line.
+//!
+//! Seen along gravity the spheres are discs, and the door is the convex hull of their centres (in the plane a line). Each point of it has to lie in a disc. A part that
+//! does not has corners: where two circles meet inside the hull, or where a circle meets an edge of it. So these points are examined. One is bare if no further disc
+//! holds it.
+//!
+//! Limits: nothing is said without gravity, about doors that have other surfaces too, or about gaps between a door and the walls beside it.
+
+use std::collections::BTreeMap;
+
+use crate::scene::loaded::Loaded;
+use siloflow_dem::space::{Dimension, Solid, Space as _, Vector};
+use siloflow_dem::walls::clip::hull;
+use siloflow_dem::walls::config::shape::WallShape;
+use siloflow_text::fault::Warning;
+
+/// Share of a radius by which two discs may miss each other at a point.
+const ROUND_OFF: f64 = 1e-9;
+
+/// A sphere as seen along gravity.
+#[derive(Clone, Copy)]
+struct Disc {
+    centre: Vector,
+    radius: f64,
+}
+
+impl Disc {
+    fn holds(self, point: Vector) -> bool {
+        self.centre.distance(point) <= self.radius * (1.0 + ROUND_OFF)
+    }
+}
+
+/// Adds a warning for each door with a gap.
+pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    let gravity = loaded.scene.gravity.padded().unit_or_zero();
+    if gravity == Solid::ZERO {
+        return;
+    }
+    let (first, second) = match loaded.scene.space {
+        Dimension::Plane => (Solid::new(gravity.y, -gravity.x, 0.0), Solid::ZERO),
+        Dimension::Solid => gravity.any_orthonormal_pair(),
+    };
+    let mut doors: BTreeMap<u16, Option<Vec<Disc>>> = BTreeMap::new();
+    for wall in &loaded.scene.walls {
+        let Some(door) = loaded.scene.door_of(wall) else { continue };
+        let discs = doors.entry(door).or_insert_with(|| Some(Vec::new()));
+        if let WallShape::Disc { centre, radius } = wall.shape {
+            let centre = centre.padded();
+            let disc = Disc { centre: Vector::new(centre.dot(first), centre.dot(second)), radius: radius.get() };
+            discs.iter_mut().for_each(|all| all.push(disc));
+        } else {
+            *discs = None;
+        }
+    }
+    for point in doors.into_values().flatten().filter_map(|discs| gap(&discs)) {
+        let place = first * point.x + second * point.y;
+        let across = match loaded.scene.space {
+            Dimension::Plane => format!("({:.4}, {:.4})", place.x, place.y),
+            Dimension::Solid => format!("({:.4}, {:.4}, {:.4})", place.x, place.y, place.z),
+        };
+        warnings.push(Warning {
+            code: "check::gap_in_door",
+            message: format!(
+                "the spheres of the door leave a gap; seen along gravity it is at {across} m. A grain whose centre passes through it is not counted as out"
+            ),
+            help: "let the spheres overlap until none can be seen through, or make the door of a flat surface".to_owned(),
+        });
+    }
+}
+
+/// Returns a point between the centres that no disc holds.
+fn gap(discs: &[Disc]) -> Option<Vector> {
+    let corners = hull(discs.iter().map(|disc| disc.centre).collect());
+    let bare = |point: &Vector, own: [usize; 2]| {
+        !discs.iter().enumerate().any(|(number, disc)| !own.contains(&number) && disc.holds(*point))
+    };
+    let edges = corners.windows(2).filter(|edge| edge[0] != edge[1]);
+    for edge in edges.clone() {
+        for (number, disc) in discs.iter().enumerate() {
+            let found = on_edge(*disc, [edge[0], edge[1]]).into_iter().flatten().find(|point| bare(point, [number; 2]));
+            if found.is_some() {
+                return found;
+            }
+        }
+    }
+    let is_inside = |point: &Vector| {
+        edges.clone().all(|edge| {
+            (edge[1] - edge[0]).perp_dot(*point - edge[0]) > ROUND_OFF * (edge[1] - edge[0]).length_squared()
+        })
+    };
+    for (number, a) in discs.iter().enumerate() {
+        for (other, b) in discs.iter().enumerate().skip(number + 1) {
+            let found =
+                meeting(*a, *b).into_iter().flatten().find(|point| is_inside(point) && bare(point, [number, other]));
+            if found.is_some() {
+                return found;
+            }
+        }
+    }
+    None
+}
+
+/// The points at which a circle meets an edge.
+fn on_edge(disc: Disc, [from, to]: [Vector; 2]) -> [Option<Vector>; 2] {
+    let along = (to - from).normalize();
+    let middle = (disc.centre - from).dot(along);
+    let off = (disc.centre - from).perp_dot(along);
+    let half = (disc.radius * disc.radius - off * off).sqrt();
+    let point = |at: f64| (at > 0.0 && at < from.distance(to)).then(|| from + along * at);
+    // Where the circle does not reach the edge, the half is not a number, and no comparison holds.
+    [point(middle - half), point(middle + half)]
+}
+
+/// The points at which two circles meet.
+fn meeting(a: Disc, b: Disc) -> [Option<Vector>; 2] {
+    let way = b.centre - a.centre;
+    let distance = way.length();
+    let is_apart = distance > (a.radius + b.radius) * (1.0 + ROUND_OFF) || distance < (a.radius - b.radius).abs();
+    if is_apart || distance == 0.0 {
+        return [None; 2];
+    }
+    let along = 0.5 * (distance + (a.radius * a.radius - b.radius * b.radius) / distance);
+    let half = (a.radius * a.radius - along * along).max(0.0).sqrt();
+    let middle = a.centre + way * (along / distance);
+    let across = way.perp() * (half / distance);
+    [Some(middle + across), Some(middle - across)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Discs on a square lattice.
+    fn lattice(columns: i32, rows: i32, spacing: f64, radius: f64) -> Vec<Disc> {
+        let centre = |n: i32| Vector::new(f64::from(n % columns), f64::from(n / columns)) * spacing;
+        (0..columns * rows).map(|n| Disc { centre: centre(n), radius }).collect()
+    }
+
+    #[test]
+    fn a_row_has_a_gap_where_discs_do_not_touch() {
+        assert!(gap(&lattice(5, 1, 1.0, 0.5)).is_none());
+        let found = gap(&lattice(5, 1, 1.0, 0.49)).unwrap();
+        assert!(found.y.abs() < 1e-12 && (found.x.fract() - 0.5).abs() < 0.011, "{found}");
+        // A large disc that covers a gap between two small ones.
+        let mut row = lattice(2, 1, 1.0, 0.4);
+        row.push(Disc { centre: Vector::new(0.5, 0.0), radius: 0.3 });
+        assert!(gap(&row).is_none());
+        row[2].radius = 0.05;
+        assert!(gap(&row).is_some());
+        assert!(gap(&lattice(1, 1, 1.0, 0.1)).is_none() && gap(&[]).is_none());
+    }
+
+    #[test]
+    fn a_lattice_has_a_gap_until_its_diagonals_are_covered() {
+        // The middle of a cell is sqrt(1/2) from its four centres.
+        assert!(gap(&lattice(4, 3, 1.0, 0.708)).is_none());
+        for radius in [0.706, 0.5, 0.3] {
+            assert!(gap(&lattice(4, 3, 1.0, radius)).is_some(), "{radius}");
+        }
+        // A missing disc inside, whose place the neighbours cover, or not.
+        for (radius, is_open) in [(0.99, true), (1.01, false)] {
+            let mut ring = lattice(3, 3, 1.0, radius);
+            ring.remove(4);
+            assert_eq!(gap(&ring).is_some(), is_open, "{radius}");
+        }
+    }
+}
