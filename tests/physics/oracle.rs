@@ -110,15 +110,16 @@ fn assert_same_with_shapes(first: usize, law: Law) {
     }
 }
 
-/// Compares beds on a floor that forces move, with this law. A change of each number of the floor must be detected.
-fn assert_same_on_a_free_floor(first: usize, law: Law) {
+/// Compares beds with a wall that forces move, with this law. A change of each number of the wall must be detected.
+fn assert_same_with_a_free_wall(first: usize, law: Law, around: Surroundings, free: fn(Scene) -> Scene) {
     let mut options = (first..).map(RunOptions::of);
     for (solid, scheme) in
         [(false, Scheme::Verlet), (false, Scheme::Centred), (true, Scheme::Verlet), (true, Scheme::Centred)]
     {
-        let scene = Scene::new(law, solid, Surroundings::Walls, scheme, small(solid)).with_free_floor();
+        let scene = free(Scene::new(law, solid, around, scheme, small(solid)));
         let seen = assert_agree(&scene, options.next().unwrap());
-        let changes: [fn(&mut FreeWall) -> &mut f64; 5] = [
+        let changes: [fn(&mut FreeWall) -> &mut f64; 6] = [
+            |free| &mut free.inertia,
             |free| &mut free.mass,
             |free| &mut free.load,
             |free| &mut free.stiffness,
@@ -127,7 +128,8 @@ fn assert_same_on_a_free_floor(first: usize, law: Law) {
         ];
         for change in changes {
             let mut other = scene.clone();
-            *change(other.walls[0].free.as_mut().unwrap()) *= 1.0 + 100.0 * RELATIVE_CHANGE;
+            let free = other.walls.iter_mut().find_map(|wall| wall.free.as_mut()).unwrap();
+            *change(free) *= 1.0 + 100.0 * RELATIVE_CHANGE;
             let found = differences(&other.simulator(), &seen);
             assert!(found[SAMPLE_STEPS.len() - 1] > 5.0, "{}: a change of the wall is not detected", scene.title());
         }
@@ -263,8 +265,11 @@ fn twisting_resistance_agrees() {
 fn walls_that_forces_move_agree() {
     let rough =
         with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling(Damping::B(2.0)), true);
-    assert_same_on_a_free_floor(37, rough);
-    assert_same_on_a_free_floor(38, hertz(0.6, true, Some(0.3), None, false));
+    let smooth = hertz(0.6, true, Some(0.3), None, false);
+    assert_same_with_a_free_wall(37, rough, Surroundings::Walls, Scene::with_free_floor);
+    assert_same_with_a_free_wall(38, smooth, Surroundings::Walls, Scene::with_free_floor);
+    assert_same_with_a_free_wall(39, rough, Surroundings::Fittings, Scene::with_flap);
+    assert_same_with_a_free_wall(40, smooth, Surroundings::Fittings, Scene::with_flap);
 }
 
 #[test]

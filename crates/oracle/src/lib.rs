@@ -20,3 +20,4 @@ pub mod law;
 pub mod plain;
 pub mod simulator;
 pub mod vector;
+pub mod wall;

@@ -13,10 +13,10 @@ use std::collections::BTreeMap;
 
 use crate::centred::{VelocityPrediction, centred, start};
 use crate::clump::Clump;
-use crate::free_wall::FreeWall;
 use crate::law::{Reduced, Terms};
 use crate::plain::{Action, Memory, PairState, Times, plain};
 use crate::vector::V;
+use crate::wall::Wall;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
@@ -62,35 +62,6 @@ pub struct Body {
     pub is_gone: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
-pub enum Shape {
-    /// Half-space, solid behind its unit normal, moving within its surface.
-    Half {
-        point: V,
-        normal: V,
-        velocity: V,
-    },
-    Segment {
-        from: V,
-        to: V,
-    },
-    Panel {
-        corner: V,
-        along: V,
-        across: V,
-    },
-}
-
-#[derive(Clone, Copy, Debug)]
-pub struct Wall {
-    pub shape: Shape,
-    pub species: usize,
-    /// For a half-space that forces move.
-    pub free: Option<FreeWall>,
-    /// Force of the grains, N.
-    pub load: V,
-}
-
 #[derive(Clone, Debug)]
 pub struct Simulator {
     pub bodies: Vec<Body>,
@@ -115,35 +86,6 @@ pub struct Simulator {
     pub steps: u64,
     /// Memories by the numbers of both particles; walls are numbered down from `usize::MAX`.
     pub memories: BTreeMap<[usize; 2], Memory>,
-}
-
-impl Shape {
-    /// Returns the distance (m), the unit vector towards the point, and the velocity of the wall.
-    fn distance(&self, x: V) -> (f64, V, V) {
-        let share = |from: V, edge: V| ((x - from).dot(edge) / edge.dot(edge)).clamp(0.0, 1.0);
-        let foot = match *self {
-            Self::Half { point, normal, velocity } => return ((x - point).dot(normal), normal, velocity),
-            Self::Segment { from, to } => from + (to - from) * share(from, to - from),
-            Self::Panel { corner, along, across } => {
-                corner + along * share(corner, along) + across * share(corner, across)
-            }
-        };
-        ((x - foot).length(), (x - foot).unit(), V::default())
-    }
-}
-
-impl Wall {
-    fn drift(&mut self, dt: f64, is_centred: bool) {
-        if let (Some(free), Shape::Half { point, velocity, .. }) = (&mut self.free, &mut self.shape) {
-            [*point, *velocity] = free.drift(dt, is_centred);
-        }
-    }
-
-    fn kick(&mut self, gravity: V, dt: f64) {
-        if let Some(free) = &mut self.free {
-            free.kick(self.load, gravity, dt);
-        }
-    }
 }
 
 impl Body {
@@ -204,8 +146,8 @@ impl Simulator {
             self.bodies[clump.centre].spin = clump.spin();
         }
         for wall in &mut self.walls {
-            if let (Some(free), Shape::Half { velocity, .. }) = (wall.free, &mut wall.shape) {
-                *velocity = free.along * free.rate;
+            if let Some(free) = &mut wall.free {
+                free.met = free.rate;
             }
         }
         self.evaluate(0.0);
@@ -286,7 +228,7 @@ impl Simulator {
             let weight = if body.is_sphere_of_clump() { V::default() } else { self.gravity * body.mass };
             (body.force, body.torque, body.contacts) = (weight, V::default(), 0);
         }
-        self.walls.iter_mut().for_each(|wall| wall.load = V::default());
+        self.walls.iter_mut().for_each(|wall| (wall.load, wall.moment) = (V::default(), V::default()));
         let mut remembered = std::mem::take(&mut self.memories);
         let all: Vec<usize> = (0..former.len()).filter(|&i| !former[i].is_gone && former[i].is_solid()).collect();
         for (rank, &i) in all.iter().enumerate() {
@@ -301,10 +243,16 @@ impl Simulator {
                 }
             }
             for (number, wall) in self.walls.clone().iter().enumerate() {
-                let (distance, normal, velocity) = wall.shape.distance(former[i].position);
-                let flat = Body { velocity, radius: f64::INFINITY, species: wall.species, ..FLAT };
+                let foot = wall.foot(former[i].position);
+                let flat = Body {
+                    position: foot.place,
+                    velocity: foot.velocity,
+                    radius: f64::INFINITY,
+                    species: wall.species,
+                    ..FLAT
+                };
                 if !former[i].is_fixed {
-                    let towards = (former[i].radius - distance, normal);
+                    let towards = (former[i].radius - foot.distance, foot.normal);
                     self.meet([&former[i], &flat], [i, usize::MAX - number], towards, &mut remembered, dt);
                 }
             }
@@ -353,6 +301,7 @@ impl Simulator {
         for (side, number) in pair.into_iter().enumerate() {
             if let Some(wall) = self.walls.get_mut(usize::MAX - number) {
                 wall.load += -action.force;
+                wall.moment += b.position.cross(-action.force);
             } else if let Some(body) = self.bodies.get_mut(number) {
                 body.force += if side == 0 { action.force } else { -action.force };
                 body.torque += action.torques[side];

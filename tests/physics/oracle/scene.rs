@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use siloflow_oracle::clump::Clump;
-use siloflow_oracle::free_wall::FreeWall;
+use siloflow_oracle::free_wall::{FreeWall, Way};
 use siloflow_oracle::law::{Law, Material, Terms};
-use siloflow_oracle::simulator::{Body, FLAT, Scheme, Shape, Simulator, Wall};
+use siloflow_oracle::simulator::{Body, FLAT, Scheme, Simulator};
 use siloflow_oracle::vector::V;
+use siloflow_oracle::wall::{Shape, Wall};
 
 use crate::oracle::shaped::{Shaped, make_shaped};
 
@@ -123,17 +124,48 @@ impl Scene {
     pub fn with_free_floor(mut self) -> Self {
         let up = self.up();
         let floor = &mut self.walls[0];
-        let Shape::Half { point, normal, .. } = floor.shape else { panic!("the floor is a half-space") };
+        let Shape::Half { normal, .. } = floor.shape else { panic!("the floor is a half-space") };
         assert!(normal.0[up] == 1.0, "the floor is level");
         floor.free = Some(FreeWall {
-            along: normal,
-            home: point,
+            way: Way::Along(normal),
+            home: floor.shape,
+            inertia: 6.0,
             mass: 6.0,
+            centre: V::default(),
             load: 150.0,
             stiffness: 3.0e4,
             damping: 40.0,
             place: 0.0,
             rate: 0.3,
+            met: 0.3,
+            acceleration: 0.0,
+        });
+        self
+    }
+
+    /// Lets forces turn the last of the fittings, a flap between two layers: in the plane a segment, in solid space a panel.
+    pub fn with_flap(mut self) -> Self {
+        let solid = self.solid;
+        let flap = self.walls.last_mut().unwrap();
+        let (point, axis, tip) = match flap.shape {
+            Shape::Segment { from, to } => (from, V([0.0, 0.0, 1.0]), to),
+            Shape::Panel { corner, along, across } => (corner, across.unit(), corner + along),
+            Shape::Half { .. } => panic!("a flap has an edge"),
+        };
+        // In solid space the axis is not one of the coordinates.
+        let axis = if solid { (axis + V([0.1, 0.0, 0.05])).unit() } else { axis };
+        flap.free = Some(FreeWall {
+            way: Way::About { point, axis },
+            home: flap.shape,
+            inertia: 0.05,
+            mass: 3.0,
+            centre: point + (tip - point) * 0.5,
+            load: 1.5,
+            stiffness: 300.0,
+            damping: 0.4,
+            place: 0.0,
+            rate: 0.8,
+            met: 0.8,
             acceleration: 0.0,
         });
         self
@@ -228,7 +260,7 @@ impl Scene {
             v
         };
         let species = self.materials.len() - 1;
-        let mut add = |shape: Shape| self.walls.push(Wall { shape, species, free: None, load: V::default() });
+        let mut add = |shape: Shape| self.walls.push(Wall::new(shape, species));
         let floor = |velocity: V| Shape::Half { point: towards(up, LOW), normal: towards(up, 1.0), velocity };
         match self.around {
             Surroundings::Nothing | Surroundings::Hole => {}

@@ -8,8 +8,10 @@ use siloflow::dem::store::{ParticleStore, Prediction};
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
-use siloflow_oracle::simulator::{Body, Part, Shape, Wall};
+use siloflow_oracle::free_wall::Way;
+use siloflow_oracle::simulator::{Body, Part};
 use siloflow_oracle::vector::V;
+use siloflow_oracle::wall::{Shape, Wall};
 
 use crate::oracle::scene::{DT, RELEASE_EVERY, RELEASES, Scene, Surroundings};
 use crate::oracle::shaped;
@@ -18,22 +20,19 @@ impl Scene {
     fn wall_text(&self, wall: &Wall) -> String {
         let text = |v: V| v.ron(self.solid);
         let species = wall.species;
+        let name = if wall.free.is_some() { ", name: \"free\"" } else { "" };
         match wall.shape {
             Shape::Half { point, normal, velocity } => format!(
-                "HalfPlane(point: {}, normal: {}, species: {species}{})",
+                "HalfPlane(point: {}, normal: {}, species: {species}{name}{})",
                 text(point),
                 text(normal * 3.0),
-                if wall.free.is_some() {
-                    ", name: \"floor\"".to_owned()
-                } else {
-                    format!(", velocity: {}", text(velocity))
-                }
+                if wall.free.is_some() { String::new() } else { format!(", velocity: {}", text(velocity)) }
             ),
             Shape::Segment { from, to } => {
-                format!("Segment(from: {}, to: {}, species: {species})", text(from), text(to))
+                format!("Segment(from: {}, to: {}, species: {species}{name})", text(from), text(to))
             }
             Shape::Panel { corner, along, across } => format!(
-                "Panel(corner: {}, along: {}, across: {}, species: {species})",
+                "Panel(corner: {}, along: {}, across: {}, species: {species}{name})",
                 text(corner),
                 text(along),
                 text(across)
@@ -78,15 +77,18 @@ impl Scene {
             Some(_) => "inertia: Sphere, ",
         };
         let free = self.walls.iter().filter_map(|wall| wall.free).map(|free| {
+            let way = match free.way {
+                Way::Along(along) => format!("Along({})", (along * 2.0).ron(self.solid)),
+                Way::About { point, axis } => {
+                    let axis = if self.solid { format!(", axis: {}", (axis * 2.0).ron(true)) } else { String::new() };
+                    let [point, centre] = [point, free.centre].map(|v| v.ron(self.solid));
+                    format!("About(point: {point}{axis}), inertia: {:?}, centre: {centre}", free.inertia)
+                }
+            };
             format!(
-                "free_walls: [(walls: \"floor\", moves: Along({}), mass: {:?}, load: {:?}, spring: (stiffness: {:?}), damping: {:?}, \
+                "free_walls: [(walls: \"free\", moves: {way}, mass: {:?}, load: {:?}, spring: (stiffness: {:?}), damping: {:?}, \
                  rate: {:?}, stops: (-1.0, 1.0))], ",
-                (free.along * 2.0).ron(self.solid),
-                free.mass,
-                free.load,
-                free.stiffness,
-                free.damping,
-                free.rate
+                free.mass, free.load, free.stiffness, free.damping, free.rate
             )
         });
         let free: String = free.collect();
