@@ -47,7 +47,11 @@ fn widened((low, high): (Vector, Vector)) -> (Vector, Vector) {
     (low - more, high + more)
 }
 
-/// Returns the corners of a view (m) that contains the walls as high as grains can come, the initial grains, the spawner and the cull line.
+/// Longest way of falling grains in a view, from the lowest place of walls and entering grains, over the height from there to the highest one.
+const FALL: f64 = 0.5;
+
+/// Returns the corners of a view (m) that contains the walls as high as grains can come, the initial grains, the spawner, and below them the cull line if it
+/// is near.
 fn full_view(loaded: &Loaded, camera: &Camera) -> (Vector, Vector) {
     let corners = match loaded.scene.space {
         Dimension::Plane => corners_in::<Plane>(loaded, camera),
@@ -135,7 +139,8 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
         .for_each(|corner| contents.corner_of_wall(corner));
     if let (Some(cull), Some([low, high])) = (scene.cull, contents.ends) {
         let mut lowest = 0.5 * (low + high);
-        lowest[V::COMPONENTS - 1] = cull.below.get();
+        let heights = [low, high].map(|end| end[V::COMPONENTS - 1]);
+        lowest[V::COMPONENTS - 1] = cull.below.get().max(heights[0] - FALL * (heights[1] - heights[0]));
         contents.corners.push(camera.on_paper(lowest));
     }
     contents.corners
@@ -195,6 +200,16 @@ mod tests {
             ["", &format!("{FILL}, motions: [(walls: \"paddle\", rotate: (about: (0.5, 3.0), by: Steady(1.0)))]")]
         {
             assert!((10.0..10.5).contains(&top(keys)), "{keys}");
+        }
+    }
+
+    #[test]
+    fn the_space_below_a_silo_ends_at_the_cull_line_or_at_half_of_its_height() {
+        // The silo is as high as its grains, 2 m, and the margin 0.04 of all.
+        for (cull, height) in [(-0.5, 2.4), (-1.0, 2.9), (-30.0, 2.9)] {
+            let (low, high) = of(&silo(&format!("{FILL}, cull: (below: {cull:?})")), &Pictures::default());
+            let found = high.y - low.y;
+            assert!((height..=1.08 * (height + 0.1)).contains(&found), "{cull}: {found}");
         }
     }
 

@@ -92,12 +92,26 @@ impl Threads {
     pub fn run<R: Send>(world: &mut World, work: impl FnOnce(&mut World) -> R + Send) -> R {
         match world.resource::<Self>().0.clone() {
             None => work(world),
-            Some(shared_pool) => shared_pool.threads.install(|| work(world)),
+            Some(shared_pool) => shared_pool.install(|| work(world)),
         }
     }
 }
 
 impl Pool {
+    /// Runs `work` on a thread of the pool, and waits for it.
+    ///
+    /// A thread of another pool of Rayon takes further work of its own pool while it waits in `ThreadPool::install`. A caller that runs many simulations in parallel
+    /// would so begin one within another on the same stack. In that case a thread that belongs to no pool waits.
+    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        if rayon::current_thread_index().is_none() || self.threads.current_thread_index().is_some() {
+            return self.threads.install(work);
+        }
+        thread::scope(|scope| match scope.spawn(|| self.threads.install(work)).join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        })
+    }
+
     /// Runs all jobs. Not generic, so that it is compiled once.
     fn share(&self, jobs: Vec<&mut dyn Run>) {
         let clock = self.trace.as_ref().map(|_| Trace::begin(self.threads.current_num_threads()));
@@ -230,6 +244,27 @@ mod tests {
             );
             assert!(threads.share(Vec::<fn() -> u8>::new()).is_empty());
         }
+    }
+
+    #[test]
+    fn a_thread_of_another_pool_begins_nothing_else_while_it_waits() {
+        use rayon::prelude::*;
+        thread_local!(static DEPTH: Cell<u32> = const { Cell::new(0) });
+        let other = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let depth = |number: u32| {
+            DEPTH.set(DEPTH.get() + 1);
+            let mut world = World::new();
+            world.insert_resource(threads(2));
+            let double = Threads::run(&mut world, |_| {
+                thread::sleep(Duration::from_millis(5));
+                2 * number
+            });
+            let depth = DEPTH.get();
+            DEPTH.set(depth - 1);
+            (double, depth)
+        };
+        let found: Vec<_> = other.install(|| (0..8u32).into_par_iter().with_max_len(1).map(depth).collect());
+        assert_eq!(found, (0..8).map(|number| (2 * number, 1)).collect::<Vec<_>>());
     }
 
     #[test]

@@ -29,6 +29,7 @@ mod falling;
 mod free_walls;
 mod heights;
 pub mod leaks;
+mod lightest;
 mod meshes;
 pub mod quantities;
 mod silo;

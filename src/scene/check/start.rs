@@ -9,8 +9,8 @@ mod stability;
 use rustc_hash::FxHashMap;
 
 use crate::ending::watchdog::overlap::LARGE_OVERLAP;
+use crate::scene::check::lightest;
 use crate::scene::check::quantities::Estimates;
-use crate::scene::check::species_pairs;
 use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;
 use siloflow_dem::space::{Dimension, Plane, Solid, Space};
@@ -32,9 +32,9 @@ struct Body {
 
 impl Body {
     /// The body as a partner of a contact.
-    fn partner(&self) -> (u8, species_pairs::Body) {
+    fn partner(&self) -> (u8, lightest::Body) {
         let mass = self.grain.map_or(f64::INFINITY, |(mass, _)| mass);
-        (self.species, species_pairs::Body::sphere(mass, self.radius))
+        (self.species, lightest::Body::sphere(mass, self.radius))
     }
 }
 

@@ -7,8 +7,9 @@
 
 use rustc_hash::FxHashMap;
 
+use crate::scene::check::lightest;
 use crate::scene::check::quantities::Estimates;
-use crate::scene::check::species_pairs::{self, SpeciesPair};
+use crate::scene::check::species_pairs::SpeciesPair;
 use crate::scene::check::start::{Body, touching};
 use crate::scene::loaded::Loaded;
 use siloflow_dem::budget::Budget;
@@ -27,7 +28,7 @@ pub(super) fn examine<V: Space>(
 ) {
     // 1/L^2 of each grain, 1/s^2.
     let mut rates: FxHashMap<u32, f64> = FxHashMap::default();
-    let mut add = |grains: &[&Body], partners: [(u8, species_pairs::Body); 2], overlap: f64| {
+    let mut add = |grains: &[&Body], partners: [(u8, lightest::Body); 2], overlap: f64| {
         let limit = SpeciesPair::pressed(loaded, partners, overlap).lone_limit(estimates.scheme);
         for (_, id) in grains.iter().filter_map(|body| body.grain) {
             *rates.entry(id).or_default() += limit.powi(-2);
@@ -44,7 +45,7 @@ pub(super) fn examine<V: Space>(
         let near = surfaces.near(x, body.radius);
         for wall in near.iter().take_while(|_| !budget.is_spent()).map(|number| &surfaces.all[number]) {
             let overlap = body.radius - wall.surface.distance(x);
-            let flat = species_pairs::Body::sphere(f64::INFINITY, f64::INFINITY);
+            let flat = lightest::Body::sphere(f64::INFINITY, f64::INFINITY);
             if overlap > 0.0 {
                 add(&[body], [body.partner(), (wall.species.0, flat)], overlap);
             }
