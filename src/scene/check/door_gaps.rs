@@ -2,8 +2,8 @@
 //! not counted, and the grain is lost at the cull line.
 //!
 //! Seen along gravity the spheres are discs, and the door is the convex hull of their centres (in the plane a line). Each point of it has to lie in a disc. A part that
-//! does not has corners: where two circles meet inside the hull, or where a circle meets an edge of it. So these points are examined. One is bare if no further disc
-//! holds it.
+//! does not has corners: where two circles meet inside the hull, or where a circle meets an edge of it. So these points are examined. The circles
+//! are a little larger than the discs, because a third circle may run through the same point.
 //!
 //! Limits: nothing is said without gravity, about doors that have other surfaces too, or about gaps between a door and the walls beside it.
 
@@ -18,6 +18,9 @@ use siloflow_text::fault::Warning;
 /// Share of a radius by which two discs may miss each other at a point.
 const ROUND_OFF: f64 = 1e-9;
 
+/// Share by which circles are larger than their discs where corners are sought.
+const LARGER: f64 = 1e-6;
+
 /// A sphere as seen along gravity.
 #[derive(Clone, Copy)]
 struct Disc {
@@ -26,6 +29,10 @@ struct Disc {
 }
 
 impl Disc {
+    fn enlarged(self) -> Self {
+        Self { radius: self.radius * (1.0 + LARGER), ..self }
+    }
+
     fn holds(self, point: Vector) -> bool {
         self.centre.distance(point) <= self.radius * (1.0 + ROUND_OFF)
     }
@@ -72,13 +79,11 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
 /// Returns a point between the centres that no disc holds.
 fn gap(discs: &[Disc]) -> Option<Vector> {
     let corners = hull(discs.iter().map(|disc| disc.centre).collect());
-    let bare = |point: &Vector, own: [usize; 2]| {
-        !discs.iter().enumerate().any(|(number, disc)| !own.contains(&number) && disc.holds(*point))
-    };
+    let is_bare = |point: &Vector| !discs.iter().any(|disc| disc.holds(*point));
     let edges = corners.windows(2).filter(|edge| edge[0] != edge[1]);
     for edge in edges.clone() {
-        for (number, disc) in discs.iter().enumerate() {
-            let found = on_edge(*disc, [edge[0], edge[1]]).into_iter().flatten().find(|point| bare(point, [number; 2]));
+        for disc in discs {
+            let found = on_edge(disc.enlarged(), [edge[0], edge[1]]).into_iter().flatten().find(is_bare);
             if found.is_some() {
                 return found;
             }
@@ -90,9 +95,11 @@ fn gap(discs: &[Disc]) -> Option<Vector> {
         })
     };
     for (number, a) in discs.iter().enumerate() {
-        for (other, b) in discs.iter().enumerate().skip(number + 1) {
-            let found =
-                meeting(*a, *b).into_iter().flatten().find(|point| is_inside(point) && bare(point, [number, other]));
+        for b in &discs[number + 1..] {
+            let found = meeting(a.enlarged(), b.enlarged())
+                .into_iter()
+                .flatten()
+                .find(|point| is_inside(point) && is_bare(point));
             if found.is_some() {
                 return found;
             }
@@ -116,7 +123,7 @@ fn on_edge(disc: Disc, [from, to]: [Vector; 2]) -> [Option<Vector>; 2] {
 fn meeting(a: Disc, b: Disc) -> [Option<Vector>; 2] {
     let way = b.centre - a.centre;
     let distance = way.length();
-    let is_apart = distance > (a.radius + b.radius) * (1.0 + ROUND_OFF) || distance < (a.radius - b.radius).abs();
+    let is_apart = distance > a.radius + b.radius || distance < (a.radius - b.radius).abs();
     if is_apart || distance == 0.0 {
         return [None; 2];
     }
@@ -148,6 +155,9 @@ mod tests {
         assert!(gap(&row).is_none());
         row[2].radius = 0.05;
         assert!(gap(&row).is_some());
+        // Two equal discs, each on the circle of the other.
+        row[2] = row[0];
+        assert!(gap(&row).is_some());
         assert!(gap(&lattice(1, 1, 1.0, 0.1)).is_none() && gap(&[]).is_none());
     }
 
@@ -158,6 +168,9 @@ mod tests {
         for radius in [0.706, 0.5, 0.3] {
             assert!(gap(&lattice(4, 3, 1.0, radius)).is_some(), "{radius}");
         }
+        let mut twice = lattice(4, 3, 1.0, 0.5);
+        twice.extend(lattice(4, 3, 1.0, 0.5));
+        assert!(gap(&twice).is_some());
         // A missing disc inside, whose place the neighbours cover, or not.
         for (radius, is_open) in [(0.99, true), (1.01, false)] {
             let mut ring = lattice(3, 3, 1.0, radius);
