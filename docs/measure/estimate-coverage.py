@@ -2,7 +2,7 @@
 """How often the interval of `siloflow estimate` contains the truth, on small scenes with real chance and real softness.
 
     cargo build --release
-    docs/measure/estimate-coverage.py [--repeats 100] [--siloflow PATH]       (about 15 minutes on two cores)
+    docs/measure/estimate-coverage.py [--repeats 200] [--first 0] [--siloflow PATH]       (about 40 minutes on two cores)
 
 Each scene is estimated many times, each time with seeds of its own. The truth is the mean of many runs at the stiffness of the scene, with other seeds.
 Prints the share of the intervals that contain it, the share that chance alone would give (95 %, with the standard error of so many repetitions), the mean
@@ -98,7 +98,8 @@ def figure_of(folder, figure):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--repeats", type=int, default=100)
+    parser.add_argument("--repeats", type=int, default=200)
+    parser.add_argument("--first", type=int, default=0, help="number of the first repetition, which decides the seeds")
     parser.add_argument("--siloflow", type=pathlib.Path, default=ROOT / "target/release/siloflow")
     args = parser.parse_args()
     print("| scene | figure | asked for | repetitions | intervals with the truth | mean half width | error of the truth | refused |\n|---|---|---|---|---|---|---|---|")
@@ -114,7 +115,7 @@ def main():
             exact, error = truth(args.siloflow, scene, figure, runs, here, more)
             estimate = lambda n: call(args.siloflow, scene, figure, within, 1000 * n + 1, here / f"estimate-{n}", more)
             with concurrent.futures.ThreadPoolExecutor(2) as pool:
-                found = list(pool.map(estimate, range(args.repeats)))
+                found = list(pool.map(estimate, range(args.first, args.first + args.repeats)))
             given = [it for it in found if it["refused"] is None]
             hits = sum(it["interval"][0] <= exact <= it["interval"][1] for it in given)
             half = statistics.fmean(0.5 * (it["interval"][1] - it["interval"][0]) for it in given)
