@@ -8,7 +8,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::energy::{EnergyFlows, energy_of};
 use crate::grain_requests::accounts::Accounts;
 use crate::grain_requests::contacts::elastic_energies;
-use crate::grain_requests::resolve::Plan;
+use crate::grain_requests::plan::Plan;
 use siloflow_dem::gravity::Gravity;
 use siloflow_dem::particle::GrainId;
 use siloflow_dem::space::Space;

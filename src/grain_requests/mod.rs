@@ -58,6 +58,7 @@ mod accounts;
 mod booking;
 mod carry_out;
 mod contacts;
+mod plan;
 mod plugin;
 mod request;
 mod resolve;
