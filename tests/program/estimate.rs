@@ -349,7 +349,14 @@ fn an_interrupted_estimate_is_continued() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(1500));
+    // A run is over, on a slow machine too.
+    let runs = here.path().join("out/trough-estimate/runs");
+    let is_over = |run: fs::DirEntry| run.path().join("summary.json").is_file();
+    let begun = std::time::Instant::now();
+    while !fs::read_dir(&runs).is_ok_and(|all| all.flatten().any(is_over)) {
+        assert!(begun.elapsed().as_secs() < 120, "no run is over");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
     let id = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
     rustix::process::kill_process(id, rustix::process::Signal::INT).unwrap();
     let output = child.wait_with_output().unwrap();
