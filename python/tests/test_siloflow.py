@@ -329,6 +329,8 @@ class Studies(InADirectory):
         found = siloflow.estimate("fall.ron", "grains.released", within="5%", budget="1min")
         self.assertIsNotNone(found.value)
         self.assertIn("grains.released", str(found))
+        larger = siloflow.estimate("fall.ron", "time_s", within="5%", size={"until": 0.3}, out="larger")
+        self.assertGreater(larger.record["size"]["change"], 0.0)
         # A scene that is no file is continued too.
         first, again = (siloflow.estimate(SCENE, "grains.released", within="5%", out="again") for _ in range(2))
         self.assertEqual(first.value, again.value)
