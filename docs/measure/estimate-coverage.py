@@ -76,7 +76,9 @@ def truth(siloflow, scene, figure, runs, folder, more):
 
 def call_run(siloflow, scene, seed, folder, more):
     words = [siloflow, "--quiet", "run", scene, *seed, "--set", "pictures=None", "--threads", "1", "--out", folder, *more]
-    subprocess.run(list(map(str, words)), capture_output=True)
+    done = subprocess.run(list(map(str, words)), capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{words} failed:\n{done.stderr}")
 
 
 def figure_of(folder, figure):
@@ -100,10 +102,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=200)
     parser.add_argument("--first", type=int, default=0, help="number of the first repetition, which decides the seeds")
+    parser.add_argument("--only", nargs="*", help="names of scenes, or parts of them")
     parser.add_argument("--siloflow", type=pathlib.Path, default=ROOT / "target/release/siloflow")
     args = parser.parse_args()
     print("| scene | figure | asked for | repetitions | intervals with the truth | mean half width | error of the truth | refused |\n|---|---|---|---|---|---|---|---|")
     for name, text, figure, within, runs in CASES:
+        if args.only and not any(part in name for part in args.only):
+            continue
         with tempfile.TemporaryDirectory() as here:
             here = pathlib.Path(here)
             scene = here / "scene.ron"

@@ -349,12 +349,12 @@ fn an_interrupted_estimate_is_continued() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // A run is over, on a slow machine too.
+    // Two runs are over, on a slow machine too, so that the command has read the first one.
     let runs = here.path().join("out/trough-estimate/runs");
-    let is_over = |run: fs::DirEntry| run.path().join("summary.json").is_file();
+    let is_over = |run: &fs::DirEntry| run.path().join("summary.json").is_file();
     let begun = std::time::Instant::now();
-    while !fs::read_dir(&runs).is_ok_and(|all| all.flatten().any(is_over)) {
-        assert!(begun.elapsed().as_secs() < 120, "no run is over");
+    while fs::read_dir(&runs).map_or(0, |all| all.flatten().filter(is_over).count()) < 2 {
+        assert!(begun.elapsed().as_secs() < 120, "no two runs are over");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let id = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
@@ -362,7 +362,7 @@ fn an_interrupted_estimate_is_continued() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
     let first = json(&output)["runs"].as_array().unwrap().clone();
-    let again = siloflow(here.path(), &[&arguments[..arguments.len() - 3], &["--within", "5%", "--json"]].concat());
+    let again = siloflow(here.path(), &[&arguments[..arguments.len() - 3], &["--within", "15%", "--json"]].concat());
     let second = json(&again);
     assert!(again.status.success() && !first.is_empty(), "{}", text(&again.stderr));
     let second = second["runs"].as_array().unwrap();
