@@ -247,15 +247,16 @@ fn answer(
     if answer.refused == Some(Refusal::Stopped) || goal.is_probability {
         return Ok(found);
     }
-    let rung = answer.compared();
-    let half_step = subject.point(Variant { rung, change: Change::HalfStep }).filter(|_| !answer.is_certain);
+    let with = |change: Change| subject.point(Variant { rung: answer.compared(), change });
+    let half_step = with(Change::HalfStep).filter(|_| !answer.is_certain);
+    let larger = with(Change::Larger);
     if let Some(point) = half_step {
         found.step = compare(answer, goal, runs, &[point; RUNS_OF_HALF_STEP])?;
         if found.step.is_some_and(|step| step.is_significant) {
             answer.refused = answer.refused.or(Some(Refusal::Step));
         }
     }
-    if let Some(point) = subject.point(Variant { rung, change: Change::Larger }) {
+    if let Some(point) = larger {
         let count = if answer.is_certain { 1 } else { RUNS_OF_LARGER_SILO };
         found.larger = compare(answer, goal, runs, &vec![point; count])?;
     }

@@ -20,7 +20,7 @@ pub(super) struct Points {
     /// The keys that they set.
     pub keys: Vec<String>,
     /// Their values. The points of the ladder come first, in its order.
-    pub points: Vec<Point>,
+    pub list: Vec<Point>,
     /// The kinds of their runs.
     pub variants: Vec<Variant>,
 }
@@ -56,8 +56,8 @@ impl Ingredients<'_> {
         }
         if self.growth.is_some() {
             let softest = self.softness.len() - 1;
-            let point = all.points[softest].clone();
-            all.points.push(point);
+            let point = all.list[softest].clone();
+            all.list.push(point);
             all.variants.push(Variant { rung: softest, change: Change::Overlaps });
         }
         Ok(all)
@@ -93,7 +93,7 @@ impl Ingredients<'_> {
             settings.extend(self.growth.map(|growth| (GROWTH.to_owned(), format!("{growth}"))));
             let merged = merged(self.args.set.iter().cloned().chain(settings));
             all.keys = merged.iter().map(|(key, _)| key.clone()).collect();
-            all.points.push(Point { values: merged.into_iter().map(|(_, value)| value).collect() });
+            all.list.push(Point { values: merged.into_iter().map(|(_, value)| value).collect() });
             all.variants.push(Variant { rung, change });
         }
         Ok(())

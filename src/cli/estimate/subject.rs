@@ -122,9 +122,9 @@ impl Subject {
         let rungs = self.ladder.softness();
         let softness = rungs[rungs.len() - 1];
         let growth = Growth { overlap, softness, power: self.power, own: self.own_growth };
-        let Points { keys, points, variants } = &mut self.points;
+        let Points { keys, list, variants } = &mut self.points;
         if let Some(place) = keys.iter().position(|key| key == GROWTH) {
-            for (point, variant) in points.iter_mut().zip(variants).filter(|it| it.1.change != Change::Overlaps) {
+            for (point, variant) in list.iter_mut().zip(variants).filter(|it| it.1.change != Change::Overlaps) {
                 point.values[place] = format!("{}", growth.at(rungs[variant.rung]));
             }
         }
@@ -150,7 +150,7 @@ impl Subject {
             text,
             "estimate.ron",
             self.points.keys.clone(),
-            self.points.points.clone(),
+            self.points.list.clone(),
         )
     }
 

@@ -55,7 +55,9 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
         if let WallShape::Disc { centre, radius } = wall.shape {
             let centre = centre.padded();
             let disc = Disc { centre: Vector::new(centre.dot(first), centre.dot(second)), radius: radius.get() };
-            discs.iter_mut().for_each(|all| all.push(disc));
+            if let Some(all) = discs {
+                all.push(disc);
+            }
         } else {
             *discs = None;
         }

@@ -242,6 +242,7 @@ fn has_few_walls(loaded: &Loaded) -> bool {
 mod tests {
     use super::*;
     use crate::grains::file::GrainRow;
+    use crate::random::Stream;
     use crate::scene::check::hardest;
     use crate::scene::load;
     use siloflow_dem::particle::{GrainId, Species};

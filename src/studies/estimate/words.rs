@@ -68,9 +68,9 @@ impl Estimate {
             let with = settings.join(", ");
             let words = match change.zip(*error) {
                 Some((change, error)) => {
-                    let chance = if *is_significant { "more than chance" } else { "no more than chance" };
+                    let verdict = if *is_significant { "more than chance" } else { "no more than chance" };
                     let [change, error, part] = [digits(change, 2), digits(error, 2), share(change)];
-                    format!("{with} changes it by {change} ± {error}{part}: {chance}")
+                    format!("{with} changes it by {change} ± {error}{part}: {verdict}")
                 }
                 None => format!("{with} was not compared"),
             };
