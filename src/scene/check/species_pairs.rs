@@ -12,7 +12,7 @@
 //!   with the other third. The hexagonal lattice has such motions, so these bounds are reached. A grain may also be held by walls
 //!   alone: by z of them, or by two opposite ones if the scene has no more. Then tangents, rolling and twisting take part in the same turn.
 //!
-//! [`lightest`](super::lightest) finds the bodies.
+//! `scene/check/lightest.rs` finds the bodies.
 
 use crate::scene::check::crowd::{Motion, Pull};
 use crate::scene::check::lightest::{Body, lightest, walls};
