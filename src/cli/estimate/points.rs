@@ -40,19 +40,20 @@ pub(super) struct Ingredients<'a> {
 }
 
 impl Ingredients<'_> {
-    /// Makes the points. Each rung is loaded once, and so is each of the larger silo.
+    /// Makes the points. Each rung is loaded for its step, and so is each of the larger silo.
     ///
     /// # Errors
     /// If a key of the larger silo is not in the scene, or if a scene is refused.
     pub(super) fn points(&self) -> Result<Points, Fault> {
         let own = self.own()?;
         let mut all = Points::default();
-        self.add(&mut all, Change::Nothing, &own)?;
-        if !self.is_lattice {
-            self.add(&mut all, Change::HalfStep, &own)?;
+        let steps = self.steps(&own)?;
+        self.add(&mut all, Change::Nothing, &own, &steps);
+        if !steps.is_empty() {
+            self.add(&mut all, Change::HalfStep, &own, &steps);
         }
         if !self.larger.is_empty() {
-            self.add(&mut all, Change::Larger, self.larger)?;
+            self.add(&mut all, Change::Larger, self.larger, &self.steps(self.larger)?);
         }
         if self.growth.is_some() {
             let softest = self.softness.len() - 1;
@@ -76,27 +77,41 @@ impl Ingredients<'_> {
         self.larger.iter().map(own).collect()
     }
 
+    /// The settings of a rung without its step.
+    fn settings(&self, softness: f64, size: &[Setting]) -> Vec<Setting> {
+        // Pictures and frames change no figure.
+        let mut settings = vec![("pictures".to_owned(), "None".to_owned())];
+        if !self.is_lattice {
+            settings.push(("data_frames".to_owned(), "None".to_owned()));
+        }
+        settings.extend(self.softening.iter().flat_map(|softening| softening.settings(softness)));
+        settings.extend(size.iter().cloned());
+        settings
+    }
+
+    /// The steps of all rungs, s; none of a lattice gas.
+    fn steps(&self, size: &[Setting]) -> Result<Vec<f64>, Fault> {
+        let mut steps = Vec::new();
+        for &softness in self.softness {
+            if let AnyScene::Grains(loaded) = self.args.load_with(&self.settings(softness, size))? {
+                steps.push(loaded.step());
+            }
+        }
+        Ok(steps)
+    }
+
     /// Adds a point for each rung.
-    fn add(&self, all: &mut Points, change: Change, size: &[Setting]) -> Result<(), Fault> {
+    fn add(&self, all: &mut Points, change: Change, size: &[Setting], steps: &[f64]) {
         for (rung, &softness) in self.softness.iter().enumerate() {
-            // Pictures and frames change no figure.
-            let mut settings = vec![("pictures".to_owned(), "None".to_owned())];
-            if !self.is_lattice {
-                settings.push(("data_frames".to_owned(), "None".to_owned()));
-            }
-            settings.extend(self.softening.iter().flat_map(|softening| softening.settings(softness)));
-            settings.extend(size.iter().cloned());
-            if let AnyScene::Grains(loaded) = self.args.load_with(&settings)? {
-                let share = if change == Change::HalfStep { 0.5 } else { 1.0 };
-                settings.push(("step".to_owned(), format!("Fixed({:e})", share * loaded.step())));
-            }
+            let mut settings = self.settings(softness, size);
+            let share = if change == Change::HalfStep { 0.5 } else { 1.0 };
+            settings.extend(steps.get(rung).map(|step| ("step".to_owned(), format!("Fixed({:e})", share * step))));
             settings.extend(self.growth.map(|growth| (GROWTH.to_owned(), format!("{growth}"))));
             let merged = merged(self.args.set.iter().cloned().chain(settings));
             all.keys = merged.iter().map(|(key, _)| key.clone()).collect();
             all.list.push(Point { values: merged.into_iter().map(|(_, value)| value).collect() });
             all.variants.push(Variant { rung, change });
         }
-        Ok(())
     }
 }
 
