@@ -90,13 +90,18 @@ CASES = (
 FIGURES = ("rate", "height", "load", "moving", "rest")
 
 
-def run(siloflow, scene, folder, soft, growth, seed):
-    """Returns the figures of a run, and its mean overlap at rest over the radius."""
-    out = folder / "run"
-    words = [siloflow, "run", scene, "--set", f"parameters.soft={soft}", "--set", f"growth={growth}", "--seed", seed, "--out", out, "--force", "--quiet"]
+def call(siloflow, scene, out, *settings):
+    """Runs a scene into a directory."""
+    words = [siloflow, "run", scene, "--out", out, "--force", "--quiet", *settings]
     done = subprocess.run(list(map(str, words)), capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{done.args} failed:\n{done.stderr}")
+
+
+def run(siloflow, scene, folder, soft, growth, seed):
+    """Returns the figures of a run, and its mean overlap at rest over the radius."""
+    out = folder / "run"
+    call(siloflow, scene, out, "--set", f"parameters.soft={soft}", "--set", f"growth={growth}", "--seed", seed)
     return figures_of(out)
 
 
@@ -138,36 +143,52 @@ def measure(siloflow, scene, folder, soft, growth, runs):
     return average([run(siloflow, scene, folder, soft, growth, seed)[0] for seed in range(1, runs + 1)])
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--runs", type=int, default=16)
+def changes(found, base, runs):
+    """Returns the cells of a row: the change of each figure from the reference in per cent, with its standard error."""
+    cells = []
+    for figure in FIGURES:
+        (mean, error, count), (own, own_error, _) = found[figure], base[figure]
+        both = (error**2 + own_error**2) ** 0.5
+        missing = f" ({count} runs)" if count < runs else ""
+        cells.append(f"{100 * (mean / own - 1):+.1f} ± {100 * both / abs(own):.1f}{missing}")
+    return " | ".join(cells)
+
+
+def options(doc, runs):
+    """Reads the command line of a script about these silos."""
+    parser = argparse.ArgumentParser(description=doc.split("\n")[0])
+    parser.add_argument("--runs", type=int, default=runs)
     parser.add_argument("--only", nargs="*", help="names of silos, or parts of them")
     parser.add_argument("--siloflow", default=ROOT / "target/release/siloflow", type=pathlib.Path)
     arguments = parser.parse_args()
-    siloflow = arguments.siloflow.resolve()
-    if not siloflow.exists():
-        sys.exit(f"{siloflow} is missing: run `cargo build --release`")
+    arguments.siloflow = arguments.siloflow.resolve()
+    if not arguments.siloflow.exists():
+        sys.exit(f"{arguments.siloflow} is missing: run `cargo build --release`")
+    return arguments
+
+
+def chosen(arguments):
+    """Returns the silos that the command line asks for, with whole scenes."""
+    cases = ((name, text.replace("END", END), reference, softer) for name, text, reference, softer in CASES)
+    return [case for case in cases if not arguments.only or any(part in case[0] for part in arguments.only)]
+
+
+def main():
+    arguments = options(__doc__, 16)
+    siloflow = arguments.siloflow
     print("| silo | softness | growth | " + " | ".join(FIGURES) + " |\n|" + "---|" * (3 + len(FIGURES)))
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         scene = folder / "silo.ron"
-        for name, text, reference, softer in CASES:
-            if arguments.only and not any(part in name for part in arguments.only):
-                continue
-            scene.write_text(text.replace("END", END))
+        for name, text, reference, softer in chosen(arguments):
+            scene.write_text(text)
             overlap = run(siloflow, scene, folder, reference, 0.0, 1)[1]
             base = measure(siloflow, scene, folder, reference, 0.0, arguments.runs)
             for soft in softer:
                 growth = 0.5 * (run(siloflow, scene, folder, soft, 0.0, 1)[1] - overlap)
                 for grown in (0.0, round(growth, 5)):
                     found = measure(siloflow, scene, folder, soft, grown, arguments.runs)
-                    cells = []
-                    for figure in FIGURES:
-                        (mean, error, count), (own, own_error, _) = found[figure], base[figure]
-                        both = (error**2 + own_error**2) ** 0.5
-                        missing = f" ({count} runs)" if count < arguments.runs else ""
-                        cells.append(f"{100 * (mean / own - 1):+.1f} ± {100 * both / abs(own):.1f}{missing}")
-                    print(f"| {name} | {soft / reference:g} | {grown:g} | " + " | ".join(cells) + " |", flush=True)
+                    print(f"| {name} | {soft / reference:g} | {grown:g} | {changes(found, base, arguments.runs)} |", flush=True)
 
 
 if __name__ == "__main__":

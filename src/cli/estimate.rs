@@ -151,6 +151,8 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     }
     let mut rounds = Vec::new();
     let result = answer(&subject, &goal, &mut runs, &mut rounds, quiet);
+    // A signal while changed scenes were compared ends the estimate too, with the value that it has.
+    let signal = signals.received();
     let Found { answer, step, larger } = match result {
         Ok(found) => found,
         Err(fault) => return refused(fault, true),
@@ -192,13 +194,13 @@ pub(super) fn estimate(args: &EstimateArgs, registry: &Registry, quiet: bool) ->
     } else if !quiet {
         say(&format!("{}written to   {}\n", estimate.in_words(), path.display()));
     }
-    Ok(match (signals.received(), answer.refused) {
-        (Some(signal), Some(Refusal::Stopped)) => {
+    Ok(match (signal, answer.refused) {
+        (Some(signal), _) => {
             tracing::error!("interrupted: the same command continues the estimate in {}", path.display());
             ExitStatus::Interrupted(signal)
         }
-        (_, Some(_)) => ExitStatus::Failed,
-        _ => ExitStatus::Done,
+        (None, Some(_)) => ExitStatus::Failed,
+        (None, None) => ExitStatus::Done,
     })
 }
 
@@ -217,7 +219,7 @@ fn grow(subject: &mut Subject, args: &SceneArgs, runs: &mut SiloRuns, goal: &mut
     Ok(())
 }
 
-/// What the runs have found.
+/// The answer and the comparisons that follow it.
 struct Found {
     answer: Answer,
     /// The effect of half of the step.

@@ -1,4 +1,4 @@
-//! What requests will do: the grains that go, change and come.
+//! The outcome of the requests of a step: the grains that go, change and come.
 
 use bevy_ecs::prelude::*;
 

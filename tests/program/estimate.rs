@@ -336,30 +336,42 @@ fn a_lattice_gas_has_chance_alone() {
     assert!(found["law"].is_null() && found["not_softened"].as_str().unwrap().contains("lattice"), "{found:#}");
 }
 
+/// Interrupts an estimate as soon as `count` of the directory of its runs is at least `least`.
+#[cfg(unix)]
+fn interrupted(here: &Path, arguments: &[&str], count: impl Fn(&Path) -> usize, least: usize) -> Output {
+    let child = Command::new(env!("CARGO_BIN_EXE_siloflow"))
+        .args(arguments)
+        .current_dir(here)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let runs = here.join("out/trough-estimate/runs");
+    let begun = std::time::Instant::now();
+    while count(&runs) < least {
+        assert!(begun.elapsed().as_secs() < 120, "not so many runs");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let id = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
+    rustix::process::kill_process(id, rustix::process::Signal::INT).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+/// Number of directories that fulfil a condition.
+#[cfg(unix)]
+fn directories(of: &Path, are: impl Fn(&Path) -> bool) -> usize {
+    fs::read_dir(of).map_or(0, |all| all.flatten().filter(|entry| are(&entry.path())).count())
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_estimate_is_continued() {
     let here = here(SCENE);
     let arguments =
         ["estimate", "trough.ron", "--cores", "1", "--figure", "discharge.rate_per_s", "--within", "0.2%", "--json"];
-    let child = Command::new(env!("CARGO_BIN_EXE_siloflow"))
-        .args(arguments)
-        .current_dir(here.path())
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
     // Two runs are over, on a slow machine too, so that the command has read the first one.
-    let runs = here.path().join("out/trough-estimate/runs");
-    let is_over = |run: &fs::DirEntry| run.path().join("summary.json").is_file();
-    let begun = std::time::Instant::now();
-    while fs::read_dir(&runs).map_or(0, |all| all.flatten().filter(is_over).count()) < 2 {
-        assert!(begun.elapsed().as_secs() < 120, "no two runs are over");
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    let id = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
-    rustix::process::kill_process(id, rustix::process::Signal::INT).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let over = |runs: &Path| directories(runs, |run| run.join("summary.json").is_file());
+    let output = interrupted(here.path(), &arguments, over, 2);
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
     let first = json(&output)["runs"].as_array().unwrap().clone();
     let again = siloflow(here.path(), &[&arguments[..arguments.len() - 3], &["--within", "15%", "--json"]].concat());
@@ -368,4 +380,19 @@ fn an_interrupted_estimate_is_continued() {
     let second = second["runs"].as_array().unwrap();
     let kept = first.iter().filter(|run| second.contains(run)).count();
     assert!(kept >= first.len().min(second.len()).saturating_sub(2), "{kept} of {}", first.len());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_while_a_larger_silo_is_compared_ends_the_estimate_with_its_value() {
+    let here = here(SCENE);
+    let size = ["--size", "fill[0].high=(0.09, 4.0)", "--size", "fill[0].count=1000"];
+    let arguments =
+        [&["estimate", "trough.ron", "--cores", "1", "--figure", "grains.out", "--within", "30", "--json"][..], &size];
+    // The ladder has three rungs, and so has it with half of the step: the points of the larger silo follow.
+    let larger = |runs: &Path| directories(runs, |run| run.file_name().unwrap().to_string_lossy().as_ref() > "0007");
+    let output = interrupted(here.path(), &arguments.concat(), larger, 1);
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    let found = json(&output);
+    assert!(found["value"].is_number() && found["refused"].is_null() && found["size"]["change"].is_null(), "{found:#}");
 }

@@ -25,14 +25,15 @@ pub(super) struct Points {
     pub variants: Vec<Variant>,
 }
 
-/// What the points of a scene are made from.
+/// The scene and the options from which the points are made.
 pub(super) struct Ingredients<'a> {
     pub args: &'a SceneArgs,
     pub source: &'a Source,
-    pub is_lattice: bool,
     pub softening: Option<&'a Softening>,
     /// The softness of each rung.
     pub softness: &'a [f64],
+    /// The step of each rung, s; none of a lattice gas.
+    pub steps: &'a [f64],
     /// The growth that the scene itself asks for, if radii of softer grains are to make up for overlaps.
     pub growth: Option<f64>,
     /// The settings of a larger silo.
@@ -40,20 +41,19 @@ pub(super) struct Ingredients<'a> {
 }
 
 impl Ingredients<'_> {
-    /// Makes the points. Each rung is loaded for its step, and so is each of the larger silo.
+    /// Makes the points. The larger silo is loaded for the step of each rung.
     ///
     /// # Errors
     /// If a key of the larger silo is not in the scene, or if a scene is refused.
     pub(super) fn points(&self) -> Result<Points, Fault> {
         let own = self.own()?;
         let mut all = Points::default();
-        let steps = self.steps(&own)?;
-        self.add(&mut all, Change::Nothing, &own, &steps);
-        if !steps.is_empty() {
-            self.add(&mut all, Change::HalfStep, &own, &steps);
+        self.add(&mut all, Change::Nothing, &own, self.steps);
+        if !self.steps.is_empty() {
+            self.add(&mut all, Change::HalfStep, &own, self.steps);
         }
         if !self.larger.is_empty() {
-            self.add(&mut all, Change::Larger, self.larger, &self.steps(self.larger)?);
+            self.add(&mut all, Change::Larger, self.larger, &self.steps_of_larger()?);
         }
         if self.growth.is_some() {
             let softest = self.softness.len() - 1;
@@ -81,7 +81,7 @@ impl Ingredients<'_> {
     fn settings(&self, softness: f64, size: &[Setting]) -> Vec<Setting> {
         // Pictures and frames change no figure.
         let mut settings = vec![("pictures".to_owned(), "None".to_owned())];
-        if !self.is_lattice {
+        if !self.steps.is_empty() {
             settings.push(("data_frames".to_owned(), "None".to_owned()));
         }
         settings.extend(self.softening.iter().flat_map(|softening| softening.settings(softness)));
@@ -89,11 +89,11 @@ impl Ingredients<'_> {
         settings
     }
 
-    /// The steps of all rungs, s; none of a lattice gas.
-    fn steps(&self, size: &[Setting]) -> Result<Vec<f64>, Fault> {
+    /// The steps of the larger silo at all rungs, s; none of a lattice gas.
+    fn steps_of_larger(&self) -> Result<Vec<f64>, Fault> {
         let mut steps = Vec::new();
         for &softness in self.softness {
-            if let AnyScene::Grains(loaded) = self.args.load_with(&self.settings(softness, size))? {
+            if let AnyScene::Grains(loaded) = self.args.load_with(&self.settings(softness, self.larger))? {
                 steps.push(loaded.step());
             }
         }

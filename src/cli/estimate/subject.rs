@@ -38,7 +38,7 @@ pub(super) struct Subject {
     pub seed: u64,
 }
 
-/// What an estimate does to its scene.
+/// Options of an estimate that change its runs.
 pub(super) struct Wishes<'a> {
     /// Whether radii of softer grains are to make up for their overlaps.
     pub grows: bool,
@@ -47,7 +47,7 @@ pub(super) struct Wishes<'a> {
 }
 
 impl Subject {
-    /// Finds the rungs of a scene. Each of them is loaded once, and so is each of the larger silo.
+    /// Finds the rungs of a scene. Each rung is loaded once, and the larger silo once for each rung.
     ///
     /// # Errors
     /// If a key of the larger silo is not in the scene, or if that silo is refused.
@@ -72,12 +72,20 @@ impl Subject {
         });
         let mut not_softened = softening.as_ref().err().cloned();
         let softening = softening.ok();
+        // The steps of the rungs, s; none of a lattice gas.
+        let mut steps = match scene {
+            AnyScene::Grains(loaded) => vec![loaded.step()],
+            AnyScene::Lattice(_) => Vec::new(),
+        };
         let softness = softening.as_ref().map_or_else(
             || vec![1.0],
             |softening| {
-                softnesses(|softness| match args.load_with(&softening.settings(softness)) {
-                    Ok(AnyScene::Grains(loaded)) => Estimates::of(&loaded),
-                    _ => None,
+                softnesses(|softness| {
+                    let Ok(AnyScene::Grains(loaded)) = args.load_with(&softening.settings(softness)) else {
+                        return None;
+                    };
+                    steps.push(loaded.step());
+                    Estimates::of(&loaded)
                 })
             },
         );
@@ -87,13 +95,12 @@ impl Subject {
             ));
         }
         let grows = wishes.grows && softness.len() > 1;
-        let is_lattice = matches!(scene, AnyScene::Lattice(_));
         let ingredients = Ingredients {
             args,
             source,
-            is_lattice,
             softening: softening.as_ref(),
             softness: &softness,
+            steps: &steps,
             growth: grows.then_some(own_growth),
             larger: wishes.larger,
         };

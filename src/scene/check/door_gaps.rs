@@ -5,7 +5,7 @@
 //! does not has corners: where two circles meet inside the hull, or where a circle meets an edge of it. So these points are examined. The circles
 //! are a little larger than the discs, because a third circle may run through the same point.
 //!
-//! Limits: nothing is said without gravity, about doors that have other surfaces too, or about gaps between a door and the walls beside it.
+//! Limits: nothing is said without gravity, about doors of a silo file or with other surfaces, or about gaps between a door and the walls beside it.
 
 use std::collections::BTreeMap;
 
@@ -38,6 +38,32 @@ impl Disc {
     }
 }
 
+/// The discs of a door in the order of their places along one axis, so that only near ones are examined.
+struct Discs {
+    sorted: Vec<Disc>,
+    /// The largest radius, m.
+    largest: f64,
+}
+
+impl Discs {
+    fn new(mut discs: Vec<Disc>) -> Self {
+        discs.sort_unstable_by(|a, b| a.centre.x.total_cmp(&b.centre.x));
+        let largest = discs.iter().map(|disc| disc.radius).fold(0.0, f64::max);
+        Self { sorted: discs, largest }
+    }
+
+    /// Returns the discs with a centre within `reach` (m) of a place on the axis.
+    fn near(&self, x: f64, reach: f64) -> &[Disc] {
+        let first = self.sorted.partition_point(|disc| disc.centre.x < x - reach);
+        let end = self.sorted.partition_point(|disc| disc.centre.x <= x + reach);
+        &self.sorted[first..end]
+    }
+
+    fn hold(&self, point: Vector) -> bool {
+        self.near(point.x, self.largest * (1.0 + ROUND_OFF)).iter().any(|disc| disc.holds(point))
+    }
+}
+
 /// Adds a warning for each door with a gap.
 pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     let gravity = loaded.scene.gravity.padded().unit_or_zero();
@@ -62,7 +88,7 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
             *discs = None;
         }
     }
-    for point in doors.into_values().flatten().filter_map(|discs| gap(&discs)) {
+    for point in doors.into_values().flatten().filter_map(gap) {
         let place = first * point.x + second * point.y;
         let across = match loaded.scene.space {
             Dimension::Plane => format!("({:.4}, {:.4})", place.x, place.y),
@@ -79,35 +105,23 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
 }
 
 /// Returns a point between the centres that no disc holds.
-fn gap(discs: &[Disc]) -> Option<Vector> {
+fn gap(discs: Vec<Disc>) -> Option<Vector> {
     let corners = hull(discs.iter().map(|disc| disc.centre).collect());
-    let is_bare = |point: &Vector| !discs.iter().any(|disc| disc.holds(*point));
-    let edges = corners.windows(2).filter(|edge| edge[0] != edge[1]);
-    for edge in edges.clone() {
-        for disc in discs {
-            let found = on_edge(disc.enlarged(), [edge[0], edge[1]]).into_iter().flatten().find(is_bare);
-            if found.is_some() {
-                return found;
-            }
-        }
+    let discs = Discs::new(discs);
+    let is_bare = |point: &Vector| !discs.hold(*point);
+    let edges = || corners.windows(2).filter(|edge| edge[0] != edge[1]).map(|edge| [edge[0], edge[1]]);
+    let on_edges = edges().flat_map(|edge| discs.sorted.iter().flat_map(move |disc| on_edge(disc.enlarged(), edge)));
+    if let Some(point) = on_edges.flatten().find(is_bare) {
+        return Some(point);
     }
     let is_inside = |point: &Vector| {
-        edges.clone().all(|edge| {
-            (edge[1] - edge[0]).perp_dot(*point - edge[0]) > ROUND_OFF * (edge[1] - edge[0]).length_squared()
-        })
+        edges().all(|[from, to]| (to - from).perp_dot(*point - from) > ROUND_OFF * (to - from).length_squared())
     };
-    for (number, a) in discs.iter().enumerate() {
-        for b in &discs[number + 1..] {
-            let found = meeting(a.enlarged(), b.enlarged())
-                .into_iter()
-                .flatten()
-                .find(|point| is_inside(point) && is_bare(point));
-            if found.is_some() {
-                return found;
-            }
-        }
-    }
-    None
+    let meetings = discs.sorted.iter().flat_map(|a| {
+        let reach = (a.radius + discs.largest) * (1.0 + LARGER);
+        discs.near(a.centre.x, reach).iter().flat_map(|b| meeting(a.enlarged(), b.enlarged()))
+    });
+    meetings.flatten().find(|point| is_inside(point) && is_bare(point))
 }
 
 /// The points at which a circle meets an edge.
@@ -148,36 +162,36 @@ mod tests {
 
     #[test]
     fn a_row_has_a_gap_where_discs_do_not_touch() {
-        assert!(gap(&lattice(5, 1, 1.0, 0.5)).is_none());
-        let found = gap(&lattice(5, 1, 1.0, 0.49)).unwrap();
+        assert!(gap(lattice(5, 1, 1.0, 0.5)).is_none());
+        let found = gap(lattice(5, 1, 1.0, 0.49)).unwrap();
         assert!(found.y.abs() < 1e-12 && (found.x.fract() - 0.5).abs() < 0.011, "{found}");
         // A large disc that covers a gap between two small ones.
         let mut row = lattice(2, 1, 1.0, 0.4);
         row.push(Disc { centre: Vector::new(0.5, 0.0), radius: 0.3 });
-        assert!(gap(&row).is_none());
+        assert!(gap(row.clone()).is_none());
         row[2].radius = 0.05;
-        assert!(gap(&row).is_some());
+        assert!(gap(row.clone()).is_some());
         // Two equal discs, each on the circle of the other.
         row[2] = row[0];
-        assert!(gap(&row).is_some());
-        assert!(gap(&lattice(1, 1, 1.0, 0.1)).is_none() && gap(&[]).is_none());
+        assert!(gap(row.clone()).is_some());
+        assert!(gap(lattice(1, 1, 1.0, 0.1)).is_none() && gap(vec![]).is_none());
     }
 
     #[test]
     fn a_lattice_has_a_gap_until_its_diagonals_are_covered() {
         // The middle of a cell is sqrt(1/2) from its four centres.
-        assert!(gap(&lattice(4, 3, 1.0, 0.708)).is_none());
+        assert!(gap(lattice(4, 3, 1.0, 0.708)).is_none());
         for radius in [0.706, 0.5, 0.3] {
-            assert!(gap(&lattice(4, 3, 1.0, radius)).is_some(), "{radius}");
+            assert!(gap(lattice(4, 3, 1.0, radius)).is_some(), "{radius}");
         }
         let mut twice = lattice(4, 3, 1.0, 0.5);
         twice.extend(lattice(4, 3, 1.0, 0.5));
-        assert!(gap(&twice).is_some());
+        assert!(gap(twice).is_some());
         // A missing disc inside, whose place the neighbours cover, or not.
         for (radius, is_open) in [(0.99, true), (1.01, false)] {
             let mut ring = lattice(3, 3, 1.0, radius);
             ring.remove(4);
-            assert_eq!(gap(&ring).is_some(), is_open, "{radius}");
+            assert_eq!(gap(ring).is_some(), is_open, "{radius}");
         }
     }
 }

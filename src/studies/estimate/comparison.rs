@@ -1,7 +1,9 @@
 //! Runs that differ in one thing, compared with the others of their stiffness: half of the step, or a larger silo.
 //!
-//! Both have the softest stiffness that counts. Where the seed has no effect, they have that of the scene, and one run tells the difference exactly. The standard error of the difference takes the scatter of single runs from the fit. A difference is more than
-//! chance if it lies beyond Student's limit at a significance of 1 %.
+//! Both sides have the softest stiffness that counts. The standard error of the difference takes the scatter of single runs from the fit. A difference is more
+//! than chance if it lies beyond Student's limit at a significance of 1 %.
+//!
+//! Where the seed has no effect, both sides have the stiffness of the scene, and one run tells the difference exactly.
 
 use siloflow_figures::statistics::extrapolation::Group;
 use siloflow_figures::statistics::quantile::student;

@@ -13,7 +13,7 @@
 //! | the statistics of the extrapolation | [`extrapolation`](siloflow_figures::statistics::extrapolation) |
 //! | what is asked for, the answer | [`goal`], [`answer`] |
 //! | the effect of half of the step, of a larger silo | [`comparison`] |
-//! | what a run changes | [`variant`] |
+//! | the kinds of runs | [`variant`] |
 //! | results: JSON, tables, words | [`results`], [`words`] |
 //! | the figure of value against softness | [`picture`] |
 //!

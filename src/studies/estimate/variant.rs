@@ -1,4 +1,4 @@
-//! What a run of an estimate changes in its scene.
+//! The kinds of runs of an estimate: the stiffness, and one further change of the scene.
 
 /// A change beside that of the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

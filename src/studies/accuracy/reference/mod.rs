@@ -143,14 +143,14 @@ pub struct Floor {
     pub normal: DVec2,
     /// Vibration, if any.
     pub vibration: Option<Vibration>,
-    /// The forces that shift it, if any.
+    /// The forces that shift the floor, if any.
     pub piston: Option<Piston>,
 }
 
-/// What shifts a floor along its normal: gravity, a load, a spring, and the discs on it.
+/// A floor that gravity, a load, a spring and the discs on it shift along its normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Piston {
-    /// The disc that stands for the floor: its mass, its place on the surface, its velocity. It has no radius and touches nothing.
+    /// The disc that stands for the floor: its mass, its place on the surface, its velocity. This disc has no radius and touches nothing.
     pub disc: usize,
     /// Load along the normal, N.
     pub load: f64,
