@@ -203,7 +203,7 @@ fn add_doors_and_motions<V: Space>(app: &mut Assembly, loaded: &Loaded, has_beha
     }
     let moves = |(_, _, control): &(u16, String, DoorControl)| matches!(control.how, DoorMotion::Move { .. });
     if !scene.free_walls.is_empty() {
-        app.add("free_walls", FreeWallsPlugin { is_predicted: loaded.is_centred(), space });
+        app.add("free_walls", FreeWallsPlugin(space));
     }
     if !scene.motions.is_empty() || !scene.free_walls.is_empty() || doors.iter().any(moves) {
         let key = if !scene.motions.is_empty() {
@@ -215,7 +215,7 @@ fn add_doors_and_motions<V: Space>(app: &mut Assembly, loaded: &Loaded, has_beha
         } else {
             "doors"
         };
-        app.add(key, MovingWallsPlugin(space));
+        app.add(key, MovingWallsPlugin { is_predicted: loaded.is_centred(), space });
     }
     let has_surfaces = scene.walls.iter().any(Wall::is_surface);
     if has_surfaces && (has_behaviours || loaded.has_door_surface()) {

@@ -160,6 +160,65 @@ fn a_loaded_lid_on_a_grain_moves_as_two_coupled_masses() {
     }
 }
 
+/// A disc that sticks to a plate under its weight, or is pressed between two plates. The plates slide along themselves with one another, are begun
+/// with a speed, and nothing but the disc acts on them. `c` is the drag along the tangent in each contact, N s/m.
+#[derive(Clone, Copy, Debug)]
+struct Dragged {
+    plates: u32,
+    c: f64,
+}
+
+impl Dragged {
+    const RADIUS: f64 = 0.1;
+    const MASS: f64 = 0.5;
+    const OF_PLATES: f64 = 2.0;
+    const K: f64 = 2e4;
+    const SPEED: f64 = 0.01;
+
+    /// The speed of the plates after a time: s'' = -(n k s + n c s')/m for the distance s by which the disc has slid, with the reduced mass m.
+    fn exact(self, time: f64) -> f64 {
+        // The torques of two plates cancel each other; one plate also turns the disc.
+        let turned = if self.plates == 1 { 2.0 } else { 0.0 };
+        let reduced = 1.0 / ((1.0 + turned) / Self::MASS + 1.0 / Self::OF_PLATES);
+        let springs = f64::from(self.plates);
+        let rate = springs * self.c / (2.0 * reduced);
+        let pulse = (springs * Self::K / reduced - rate * rate).sqrt();
+        let (sin, cos) = (pulse * time).sin_cos();
+        let slides = -Self::SPEED * (-rate * time).exp() * (cos - rate / pulse * sin);
+        Self::SPEED - reduced / Self::OF_PLATES * (slides + Self::SPEED)
+    }
+
+    fn error(self, dt: f64, time: f64) -> f64 {
+        let deep = 1e-3;
+        let high = Self::RADIUS - deep;
+        let (gravity, above) = if self.plates == 1 { (deep * 1e5 / Self::MASS, 1.0) } else { (0.0, high) };
+        let keys = format!(
+            "gravity: (0.0, -{gravity:?}), step: Fixed({dt:?}), until: 1.0, integrator: Centred,
+             contact: Linear(k: 1.0e5, damping: B(20.0), tangential: Spring(k: {:?}, damping: B({:?}), friction: 1.0e3)),
+             walls: [Segment(from: (-1.0, -{high:?}), to: (1.0, -{high:?}), name: \"plates\"),
+                     Segment(from: (-1.0, {above:?}), to: (1.0, {above:?}), name: \"plates\")],
+             free_walls: [(walls: \"plates\", moves: Along((1.0, 0.0)), mass: {:?}, rate: {:?}, stops: (-0.1, 0.1))]",
+            Self::K,
+            self.c,
+            Self::OF_PLATES,
+            Self::SPEED
+        );
+        let mut run = simulation(&keys, vec![grain(1, Vector::ZERO, Vector::ZERO, Self::RADIUS, Self::MASS)]);
+        run.run_steps((time / dt).round() as u64);
+        state(&run).rate - self.exact(time)
+    }
+}
+
+#[test]
+fn a_plate_that_slides_under_a_disc_drags_it_along() {
+    for case in [(1, 0.0), (1, 20.0), (2, 0.0), (2, 20.0)].map(|(plates, c)| Dragged { plates, c }) {
+        let (coarse, order) = order(|dt| case.error(dt, 0.02), 1e-4);
+        // The plates swing with half their speed or less; w dt is 0.04.
+        assert!(coarse.abs() < 2e-3 * Dragged::SPEED, "{case:?}: {coarse}");
+        assert!((order - 2.0).abs() < 0.15, "{case:?}: {coarse}, order {order}");
+    }
+}
+
 #[test]
 fn momentum_of_a_grain_and_a_free_wall_is_kept_in_an_impact() {
     let (m, big, v) = (1.0f64, 4.0f64, 2.0f64);

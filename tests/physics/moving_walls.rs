@@ -52,6 +52,53 @@ fn a_vibrating_floor_drives_a_grain_as_the_driven_oscillator() {
     assert!((order - 2.0).abs() < 0.1, "order {order}");
 }
 
+/// A disc that sticks to a plate, which oscillates along itself. With s the distance by which the disc has slid, w the velocity of the plate and
+/// m' = m/3, which counts the rotation: m' s'' = -k s - c s' - m' w', s(0) = 0, s'(0) = -w(0), and m v' = -k s - c s' for the velocity of the disc.
+/// Returns the error of v, and v.
+fn on_a_sliding_plate(c: f64, dt: f64) -> (f64, f64) {
+    let (m, k, radius, deep) = (0.5f64, 2.0e4f64, 0.1f64, 1.0e-3f64);
+    let (amplitude, frequency, time) = (1.0e-5f64, 40.0f64, 0.02f64);
+    let keys = format!(
+        "gravity: (0.0, -{:?}), step: Fixed({dt:?}), until: 1.0, integrator: Centred,
+         contact: Linear(k: 1.0e5, damping: B(20.0), tangential: Spring(k: {k:?}, damping: B({c:?}), friction: 1.0e3)),
+         walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"plate\")],
+         motions: [(walls: \"plate\", translate: Oscillate(amplitude: ({amplitude:?}, 0.0), frequency: {frequency:?}))]",
+        deep * 1.0e5 / m
+    );
+    let mut run = simulation(&keys, vec![grain(1, Vector::new(0.0, radius - deep), Vector::ZERO, radius, m)]);
+    run.run_steps((time / dt).round() as u64);
+    let pulse = TAU * frequency;
+    let plate = amplitude * pulse;
+    let slope = |[s, slides, _]: [f64; 3], t: f64| {
+        let force = -k * s - c * slides;
+        [slides, 3.0 * force / m + plate * pulse * (pulse * t).sin(), force / m]
+    };
+    let steps = 20_000u32;
+    let h = time / f64::from(steps);
+    let mut state = [0.0, -plate, 0.0];
+    // The classical Runge-Kutta scheme.
+    for t in (0..steps).map(|step| f64::from(step) * h) {
+        let ahead = |by: [f64; 3], share: f64| std::array::from_fn(|i| state[i] + share * h * by[i]);
+        let first = slope(state, t);
+        let second = slope(ahead(first, 0.5), t + 0.5 * h);
+        let third = slope(ahead(second, 0.5), t + 0.5 * h);
+        let last = slope(ahead(third, 1.0), t + h);
+        state = std::array::from_fn(|i| state[i] + h * (first[i] + 2.0 * second[i] + 2.0 * third[i] + last[i]) / 6.0);
+    }
+    (motion(&mut run)[0].velocity.x - state[2], state[2])
+}
+
+#[test]
+fn a_plate_that_oscillates_along_itself_drags_a_disc_along() {
+    for c in [0.0, 20.0] {
+        let [(coarse, exact), (fine, _)] = [1.0e-4, 5.0e-5].map(|dt| on_a_sliding_plate(c, dt));
+        let order = (coarse / fine).abs().log2();
+        // The disc swings with 350 rad/s: (w dt)^2 is 1.2e-3.
+        assert!(coarse.abs() < 5.0e-3 * exact.abs(), "c = {c}: {coarse} of {exact}");
+        assert!((order - 2.0).abs() < 0.15, "c = {c}: {coarse}, order {order}");
+    }
+}
+
 #[test]
 fn the_work_of_a_vibrating_floor_is_the_energy_of_the_grain() {
     let [coarse, fine] = [4.0e-5, 2.0e-5].map(|dt| {

@@ -2,7 +2,7 @@
 //!
 //! With the coordinate s (m, or rad) along or about the unit vector u, the force or torque F of the grains, that of all else A = load + weight - k s - c v, and the
 //! mass or moment of inertia M: v += h (F + A)/M, s += dt v, then F and A at the end, and v += h (F + A)/M, which is solved for v in its own
-//! dashpot. Grains meet the wall with the velocity in the middle of the step, with the centred scheme with v + h (F + A)/M of the step before.
+//! dashpot. Grains meet the wall with the velocity in the middle of the step, and the centred scheme predicts v + h (F + A)/M of the step before for the end.
 //!
 //! The weight is m g . u, or of a hinge u . ((C - P) x m g), with the centre of mass C and the point P of the axis.
 
@@ -40,8 +40,8 @@ pub struct FreeWall {
     pub place: f64,
     /// v, m/s or rad/s.
     pub rate: f64,
-    /// The rate with which grains meet it.
-    pub met: f64,
+    /// What the rate gains from the middle of the step to its end, as far as the scheme predicts it.
+    pub gained: f64,
     /// (F + A)/M at the end of the step.
     pub acceleration: f64,
 }
@@ -52,7 +52,7 @@ impl FreeWall {
         let gain = 0.5 * dt * self.acceleration;
         self.rate += gain;
         self.place += dt * self.rate;
-        self.met = self.rate + if is_centred { gain } else { 0.0 };
+        self.gained = if is_centred { gain } else { 0.0 };
         self.home.moved(|x| self.moved(x), |direction| self.turned(direction))
     }
 
@@ -71,11 +71,11 @@ impl FreeWall {
         home * cosine + axis.cross(home) * sine + axis * (axis.dot(home) * (1.0 - cosine))
     }
 
-    /// Returns the velocity at a place with which grains meet the wall.
-    pub fn velocity(&self, place: V) -> V {
+    /// Returns the velocity of the wall at a place, for a rate.
+    pub fn velocity(&self, place: V, rate: f64) -> V {
         match self.way {
-            Way::Along(along) => along * self.met,
-            Way::About { point, axis } => axis.cross(place - point) * self.met,
+            Way::Along(along) => along * rate,
+            Way::About { point, axis } => axis.cross(place - point) * rate,
         }
     }
 

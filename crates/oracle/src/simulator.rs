@@ -60,6 +60,8 @@ pub struct Body {
     pub is_lone: bool,
     /// Whether it has been removed.
     pub is_gone: bool,
+    /// Of a wall: the velocity that it gains from the middle of the step to its end, m/s.
+    pub gained: V,
 }
 
 #[derive(Clone, Debug)]
@@ -144,11 +146,6 @@ impl Simulator {
         for clump in &self.clumps {
             clump.place_spheres(&mut self.bodies);
             self.bodies[clump.centre].spin = clump.spin();
-        }
-        for wall in &mut self.walls {
-            if let Some(free) = &mut wall.free {
-                free.met = free.rate;
-            }
         }
         self.evaluate(0.0);
         let gravity = self.gravity;
@@ -247,6 +244,7 @@ impl Simulator {
                 let flat = Body {
                     position: foot.place,
                     velocity: foot.velocity,
+                    gained: foot.gained,
                     radius: f64::INFINITY,
                     species: wall.species,
                     ..FLAT
@@ -326,7 +324,7 @@ impl Simulator {
         let lead = if self.springs_exact { 0.0 } else { half };
         let gains = if dt == 0.0 { VelocityPrediction::default() } else { self.ahead(both, pair_state.normal, dt) };
         let predicted = PairState {
-            velocity: pair_state.velocity + gains.velocity * beta,
+            velocity: pair_state.velocity + gains.velocity * beta - both[1].gained * (1.0 - beta),
             spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta_of_spins),
             ..*pair_state
         };
@@ -384,6 +382,7 @@ pub const FLAT: Body = Body {
     contacts: 0,
     is_lone: false,
     is_gone: false,
+    gained: V([0.0; 3]),
 };
 
 /// Whether two bodies are spheres of one clump.
@@ -400,7 +399,7 @@ impl Simulator {
             _ => body.inverse_mass(),
         };
         VelocityPrediction {
-            velocity: gains[0][0] - gains[1][0],
+            velocity: gains[0][0] - gains[1][0] - both[1].gained,
             spins: gains.map(|[_, spin]| spin),
             inverse_masses: both.map(mobility),
             inverse_inertias: both.map(Body::inverse_inertia),

@@ -30,8 +30,10 @@ pub struct Foot {
     pub distance: f64,
     /// Unit vector towards the point.
     pub normal: V,
-    /// Velocity of the wall there, m/s.
+    /// Velocity of the wall there, m/s, in the middle of the step.
     pub velocity: V,
+    /// What it gains from then to the end of the step.
+    pub gained: V,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -52,14 +54,15 @@ impl Shape {
         let place = match *self {
             Self::Half { point, normal, velocity } => {
                 let distance = (x - point).dot(normal);
-                return Foot { place: x - normal * distance, distance, normal, velocity };
+                return Foot { place: x - normal * distance, distance, normal, velocity, gained: V::default() };
             }
             Self::Segment { from, to } => from + (to - from) * share(from, to - from),
             Self::Panel { corner, along, across } => {
                 corner + along * share(corner, along) + across * share(corner, across)
             }
         };
-        Foot { place, distance: (x - place).length(), normal: (x - place).unit(), velocity: V::default() }
+        let [velocity, gained] = [V::default(); 2];
+        Foot { place, distance: (x - place).length(), normal: (x - place).unit(), velocity, gained }
     }
 
     /// Returns the shape after a rigid motion of its points and its directions.
@@ -86,8 +89,9 @@ impl Wall {
     /// Returns the place nearest to a point.
     pub fn foot(&self, x: V) -> Foot {
         let foot = self.shape.foot(x);
-        let of_forces = self.free.map_or(V::default(), |free| free.velocity(foot.place));
-        Foot { velocity: foot.velocity + of_forces, ..foot }
+        let Some(free) = self.free else { return foot };
+        let [velocity, gained] = [free.rate, free.gained].map(|rate| free.velocity(foot.place, rate));
+        Foot { velocity: foot.velocity + velocity, gained, ..foot }
     }
 
     pub fn drift(&mut self, dt: f64, is_centred: bool) {

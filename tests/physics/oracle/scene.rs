@@ -137,7 +137,7 @@ impl Scene {
             damping: 40.0,
             place: 0.0,
             rate: 0.3,
-            met: 0.3,
+            gained: 0.0,
             acceleration: 0.0,
         });
         self
@@ -165,7 +165,7 @@ impl Scene {
             damping: 0.4,
             place: 0.0,
             rate: 0.8,
-            met: 0.8,
+            gained: 0.0,
             acceleration: 0.0,
         });
         self

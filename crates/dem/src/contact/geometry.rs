@@ -301,7 +301,7 @@ fn walls_repeat<V: Space>(walls: &[SurfaceWall<V>], beside: &[(usize, WallLine<V
 /// Returns the geometry of the free particle in slot `i` and a wall that it has just left.
 pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, dt: f64) -> Pair<V> {
     let pair = wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), true, dt);
-    Pair { gathered: store.prediction.springs_exact.then(|| store.gathered_with_wall(i, &pair)), ..pair }
+    Pair { gathered: store.prediction.springs_exact.then(|| store.gathered_with_wall(i, wall, &pair)), ..pair }
 }
 
 /// Returns the geometry of the free particle in slot `i` and a wall beside it.

@@ -6,7 +6,7 @@ use crate::space::{Linear, Space};
 use crate::walls::free::{FreeState, FreeWall, Freedom};
 use crate::walls::motion::{Motion, PoseInTime};
 use crate::walls::pose::Pose;
-use crate::walls::surface_wall::{SurfaceWall, WallLoad};
+use crate::walls::surface_wall::{SurfaceWall, WallGain, WallLoad};
 
 /// Walls that move together.
 #[derive(Clone, Debug)]
@@ -119,8 +119,26 @@ impl<V: Space> Mover<V> {
         endless.map(|(index, _)| *index)
     }
 
-    /// Places the surfaces for the time `now`, s. Returns the longest way of one of their points since the time `before`, m.
-    pub(super) fn place(&self, all: &mut [SurfaceWall<V>], before: f64, now: f64) -> f64 {
+    /// Returns the gain of the velocity of the pivot and of the spin from the middle of the step to its end at `time` (s), where contacts take
+    /// velocities predicted for the end. `half` is half the step, s.
+    fn gained(&self, time: f64, half: f64) -> WallGain<V> {
+        let gain = |now: PoseInTime<V>, middle: PoseInTime<V>| WallGain {
+            velocity: now.velocity - middle.velocity,
+            spin: now.spin - middle.spin,
+        };
+        match &self.drive {
+            Drive::Free(wall, state) => {
+                let PoseInTime { velocity, spin, .. } = wall.pose(state.coordinate, state.gained());
+                WallGain { velocity, spin }
+            }
+            drive => gain(drive.at(time), drive.at(time - half)),
+        }
+    }
+
+    /// Places the surfaces for the time `now`, s. Returns the longest way of one of their points since the time `before`, m. `half` is half the
+    /// step (s) where contacts take velocities predicted for its end.
+    pub(super) fn place(&self, all: &mut [SurfaceWall<V>], before: f64, now: f64, half: Option<f64>) -> f64 {
+        let gained = half.map(|half| self.gained(now, half)).filter(WallGain::is_some);
         let before = match &self.drive {
             Drive::Free(wall, state) => wall.pose(state.before, 0.0),
             drive => drive.at(before),
@@ -137,6 +155,9 @@ impl<V: Space> Mover<V> {
             wall.reference = reference;
             wall.velocity = home.velocity + now.velocity + (reference - pivot).turned_by(now.spin);
             wall.spin = home.spin + now.spin;
+            wall.gained = gained.map(|WallGain { velocity, spin }| {
+                Box::new(WallGain { velocity: velocity + (reference - pivot).turned_by(spin), spin })
+            });
         }
         longest
     }

@@ -2,7 +2,8 @@
 //!
 //! The place of a moving wall at the end of a step follows from the time alone, and for a door from its last command. So the
 //! wall has no error of integration, and a continued run places it to the same bits. A point x of the wall has the velocity
-//! v + omega x (x - r), with v the velocity of its reference point r. Forces use position and velocity at the end of the step.
+//! v + omega x (x - r), with v the velocity of its reference point r. Forces use position and velocity at the end of the step. Under the scheme
+//! `Centred` springs between a grain and the wall gather the difference of their velocities in the middle of the step, so that they follow both motions.
 //! Work on the grains is minus force times velocity minus torque times angular velocity (module `energy` of `siloflow`).
 //!
 //! The index of surfaces by place is made anew once a wall has moved by a quarter of a cell. Until then searches are wider by
@@ -26,7 +27,7 @@ impl<V: Space> Surfaces<V> {
     #[must_use]
     pub fn with_movers(mut self, movers: Vec<Mover<V>>) -> Self {
         self.movers = movers;
-        self.place(0.0);
+        self.place(0.0, None);
         self.list_anew();
         self.travel = 0.0;
         self
@@ -44,10 +45,10 @@ impl<V: Space> Surfaces<V> {
         self.travel
     }
 
-    /// Places all moving walls for a time, s.
-    pub(super) fn place(&mut self, time: f64) {
+    /// Places all moving walls for a time, s. `half` is half the step (s) where contacts take velocities predicted for its end.
+    pub(super) fn place(&mut self, time: f64, half: Option<f64>) {
         let Self { all, movers, placed_at, .. } = self;
-        let longest = movers.iter().map(|mover| mover.place(all, *placed_at, time)).fold(0.0, f64::max);
+        let longest = movers.iter().map(|mover| mover.place(all, *placed_at, time, half)).fold(0.0, f64::max);
         self.placed_at = time;
         self.travel += longest;
         self.drift += longest;
@@ -112,9 +113,17 @@ impl<V: Space> Surfaces<V> {
     }
 }
 
-fn place_walls<V: Space>(clock: Res<Clock>, mut walls: ResMut<Surfaces<V>>) {
+fn place_walls<V: Space>(clock: Res<Clock>, meeting: Res<Meeting>, mut walls: ResMut<Surfaces<V>>) {
+    let half = (meeting.is_predicted && !clock.is_step_zero()).then_some(0.5 * clock.dt);
     // Readers of changes look for walls that come or go; the way of the walls is in `travel`.
-    walls.bypass_change_detection().place(clock.time());
+    walls.bypass_change_detection().place(clock.time(), half);
+}
+
+/// How grains meet moving walls.
+#[derive(Resource)]
+pub(super) struct Meeting {
+    /// Whether contacts take velocities that are predicted for the end of the step.
+    pub(super) is_predicted: bool,
 }
 
 /// The set that places moving walls at x(t + dt).
@@ -122,10 +131,16 @@ fn place_walls<V: Space>(clock: Res<Clock>, mut walls: ResMut<Surfaces<V>>) {
 pub struct WallsPlaced;
 
 /// Moves the walls.
-pub struct MovingWallsPlugin<V: Space>(pub PhantomData<V>);
+pub struct MovingWallsPlugin<V: Space> {
+    /// Whether contacts take velocities that are predicted for the end of the step, as the centred scheme does.
+    pub is_predicted: bool,
+    /// The space.
+    pub space: PhantomData<V>,
+}
 
 impl<V: Space> Plugin for MovingWallsPlugin<V> {
     fn build(&self, app: &mut App) {
+        app.insert_resource(Meeting { is_predicted: self.is_predicted });
         let place = place_walls::<V>.in_set(Part::Engine(Phase::Drift)).in_set(WallsPlaced);
         app.add_systems(Step, place.after(ClockAdvanced).after(AfterDeferredKick));
     }

@@ -28,6 +28,9 @@ pub struct SurfaceWall<V: Space = Plane> {
     pub velocity: V,
     /// Angular velocity, rad/s.
     pub spin: V::Spin,
+    /// The part of `velocity` and `spin` that is gained after the middle of the step, where contacts take velocities predicted for its end.
+    /// None for a wall at a constant rate.
+    pub gained: Option<Box<WallGain<V>>>,
     /// Material.
     pub species: Species,
     /// Number of the door that the wall belongs to: [`Door`](crate::particle::Door).
@@ -47,6 +50,7 @@ impl<V: Space> SurfaceWall<V> {
             surface,
             velocity: V::ZERO,
             spin: V::Spin::ZERO,
+            gained: None,
             species,
             door: None,
             is_present: true,
@@ -68,6 +72,22 @@ impl<V: Space> SurfaceWall<V> {
         } else {
             self.velocity + (point() - self.reference).turned_by(self.spin)
         }
+    }
+}
+
+/// Gain of the motion of a wall in half a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WallGain<V: Space> {
+    /// Gain of [`SurfaceWall::velocity`], m/s.
+    pub velocity: V,
+    /// Gain of [`SurfaceWall::spin`], rad/s.
+    pub spin: V::Spin,
+}
+
+impl<V: Space> WallGain<V> {
+    /// Whether there is a gain.
+    pub(super) fn is_some(&self) -> bool {
+        self.velocity != V::ZERO || self.spin != V::Spin::ZERO
     }
 }
 

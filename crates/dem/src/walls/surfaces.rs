@@ -165,7 +165,7 @@ impl<V: Space> Surfaces<V> {
         self.loads = saved.loads;
         self.movers.iter_mut().zip(saved.leaves).for_each(|(mover, leaf)| mover.set_leaf(leaf));
         self.movers.iter_mut().zip(saved.free).for_each(|(mover, free)| mover.set_free(free));
-        self.place(saved.placed_at);
+        self.place(saved.placed_at, None);
         self.list_anew();
         self.travel = saved.travel;
         Ok(())

@@ -18,7 +18,7 @@ use crate::store::ParticleStore;
 const CLOSED_IN_HALF_A_STEP: f64 = 1.25;
 
 /// Turns a contact with predicted velocities into one with the velocities in the middle of the step and their prediction.
-pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
+pub type Predict<'a, V> = &'a dyn Fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
 
 impl<V: Space> Bodies<V> {
     /// Returns whether a gap wider than `range` (m) stays so for half a step, `half` (s).
@@ -108,7 +108,7 @@ pub struct EventStep<'a, V: Space> {
     /// The particles.
     pub store: &'a ParticleStore<V>,
     /// Adds the velocity prediction to a contact.
-    pub predict: Predict<V>,
+    pub predict: Predict<'a, V>,
     /// Whether it is step zero.
     pub starts: bool,
     /// Instruction set of the law.

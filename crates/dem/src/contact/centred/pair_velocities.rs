@@ -4,6 +4,7 @@ use crate::contact::pair::{Gathered, Pair};
 use crate::neighbours::list::Candidate;
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
+use crate::walls::surface_wall::{SurfaceWall, WallGain};
 
 impl<V: Space> ParticleStore<V> {
     /// Turns a contact of two particles with predicted velocities into one with the velocities in the middle of the step
@@ -18,10 +19,14 @@ impl<V: Space> ParticleStore<V> {
     }
 
     /// Like [`Self::predict_pair`], for a contact with a wall surface.
-    pub(in crate::contact) fn predict_with_wall(&self, contact: Candidate, pair: &mut Pair<V>) {
-        let i = contact.first();
+    pub(in crate::contact) fn predict_with_wall(&self, i: usize, wall: &SurfaceWall<V>, pair: &mut Pair<V>) {
         pair.relative_velocity -= self.body[i].velocity - self.middle_velocity(i);
         pair.ahead.velocity = self.gain(i);
+        if let Some(gained) = &wall.gained {
+            let gained = self.gain_of_wall(i, wall, gained, pair);
+            pair.relative_velocity += gained;
+            pair.ahead.velocity -= gained;
+        }
         self.describe(i, 0, pair);
     }
 
@@ -35,11 +40,28 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Like [`Self::gathered`], for a contact of particle `i` with a wall surface, which moves at a constant velocity during the step.
+    /// Like [`Self::gathered`], for a contact of particle `i` with a wall surface.
     #[inline(always)]
-    pub(in crate::contact) fn gathered_with_wall(&self, i: usize, pair: &Pair<V>) -> Gathered<V> {
+    pub(in crate::contact) fn gathered_with_wall(
+        &self,
+        i: usize,
+        wall: &SurfaceWall<V>,
+        pair: &Pair<V>,
+    ) -> Gathered<V> {
         let ahead = self.body[i].velocity - self.middle_velocity(i);
-        Gathered { relative_velocity: pair.relative_velocity - ahead, spins: [self.middle_spin(i), V::Spin::ZERO] }
+        let mut relative_velocity = pair.relative_velocity - ahead;
+        if let Some(gained) = &wall.gained {
+            relative_velocity += self.gain_of_wall(i, wall, gained, pair);
+        }
+        Gathered { relative_velocity, spins: [self.middle_spin(i), V::Spin::ZERO] }
+    }
+
+    /// Velocity gain in half a step (m/s) of a wall where it touches particle `i`.
+    #[inline(never)]
+    fn gain_of_wall(&self, i: usize, wall: &SurfaceWall<V>, gained: &WallGain<V>, pair: &Pair<V>) -> V {
+        let body = &self.body[i];
+        let point = body.position - pair.normal * (body.radius - pair.overlap);
+        gained.velocity + (point - wall.reference).turned_by(gained.spin)
     }
 
     /// Velocity gain of particle `i` in half a step by the forces at its beginning, m/s.

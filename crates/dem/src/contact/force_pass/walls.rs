@@ -79,7 +79,10 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
             self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
         }
         if self.gathers() {
-            self.batch.gathered.set(self.batch.len, view.gathered_with_wall(contact.first(), pair));
+            self.batch.gathered.set(
+                self.batch.len,
+                view.gathered_with_wall(contact.first(), &self.pass.walls[contact.second()], pair),
+            );
         }
         self.batch.push::<C>(contact, pair);
         if self.batch.len == LANES {
@@ -96,7 +99,10 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
             recall(self.batch, cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
-        if self.evaluate_law(1.0, ParticleStore::predict_with_wall) {
+        let predict = |store: &ParticleStore<V>, contact: Candidate, pair: &mut Pair<V>| {
+            store.predict_with_wall(contact.first(), &pass.walls[contact.second()], pair);
+        };
+        if self.evaluate_law(1.0, &predict) {
             for lane in 0..self.batch.len {
                 self.largest = self.largest.max(self.batch.bodies.overlap[lane] / self.batch.bodies.reach[lane]);
             }

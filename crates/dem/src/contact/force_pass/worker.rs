@@ -178,7 +178,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             self.take_marks();
         }
         // A possible record is detected without division and without the two radii.
-        if self.evaluate_law(self.view.smallest_share, ParticleStore::predict_pair) {
+        if self.evaluate_law(self.view.smallest_share, &ParticleStore::predict_pair) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
@@ -189,7 +189,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     /// Evaluates the law in all lanes. Returns whether any overlap may be a record. `smallest_share` is a lower bound
     /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
-    pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<V>) -> bool {
+    pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<'_, V>) -> bool {
         let ForcePass { law, needs, dt, starts, instructions, .. } = *self.pass;
         let view = self.view;
         // The last factor allows for rounding.

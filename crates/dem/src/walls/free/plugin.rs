@@ -10,7 +10,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, ForceStage, Part, Phase, Step};
 use crate::store::AfterDeferredKick;
-use crate::walls::moving::WallsPlaced;
+use crate::walls::moving::{Meeting, WallsPlaced};
 use crate::walls::surfaces::Surfaces;
 
 fn drift<V: Space>(clock: Res<Clock>, meeting: Res<Meeting>, mut walls: ResMut<Surfaces<V>>) {
@@ -33,24 +33,11 @@ fn kick<V: Space>(
     }
 }
 
-/// How grains meet free walls.
-#[derive(Resource)]
-struct Meeting {
-    /// Whether contacts take velocities that are predicted for the end of the step.
-    is_predicted: bool,
-}
-
-/// Moves the free walls.
-pub struct FreeWallsPlugin<V: Space> {
-    /// Whether contacts take velocities that are predicted for the end of the step, as the centred scheme does.
-    pub is_predicted: bool,
-    /// The space.
-    pub space: PhantomData<V>,
-}
+/// Moves the free walls, beside the plugin of moving walls.
+pub struct FreeWallsPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for FreeWallsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Meeting { is_predicted: self.is_predicted });
         let drift = drift::<V>.in_set(Part::Engine(Phase::Drift)).after(ClockAdvanced).after(AfterDeferredKick);
         app.add_systems(Step, drift.before(WallsPlaced));
         app.add_systems(Step, kick::<V>.in_set(Part::Engine(Phase::Forces)).after(ForceStage::Contacts));

@@ -109,6 +109,11 @@ impl FreeState {
         }
     }
 
+    /// The part of the rate with which grains meet the wall that is gained after the middle of the step.
+    pub(in crate::walls) fn gained(&self) -> f64 {
+        self.shown - self.middle
+    }
+
     /// Takes the force of the grains (N or N m) at the end of a step of `dt` (s), or without `dt` at the start.
     pub(in crate::walls) fn kick<V: Space>(
         &mut self,
