@@ -19,9 +19,10 @@
 //! | idle | time of all threads in passes without work |
 //! | number | passes in a step |
 //!
-//! The *model* says how many times faster n threads would be than one: time(n) = serial + largest share of work + number of passes x joining of a
-//! pass. Threads share whole blocks of rows. Its assumptions: blocks have equal work, memory serves all cores as it serves the measured ones, and
-//! joining takes as long whatever the number of threads.
+//! The *model* says how many times faster n threads would be than one: time(n) = serial + largest share of the contacts + largest share of the other
+//! passes + joining of a step. Its shares are those that the program hands out to n threads: whole blocks of rows, at least 512 rows, and each pair across a
+//! border between two threads evaluated by both. The *border* is the number of such pairs by that of all pairs. The model assumes that candidates and rows cost
+//! the same everywhere, that memory serves all cores as it serves the measured ones, and that joining takes as long whatever the number of threads.
 //!
 //! A stopwatch between systems costs about 50 ns each, some 30 times in a step. It is part of `serial`. The last line has whole steps without it.
 
@@ -29,17 +30,20 @@ mod crystal;
 mod stopwatch;
 
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use siloflow::dem::neighbours::list::BLOCK;
+use siloflow::dem::neighbours::Search;
+use siloflow::dem::space::{Plane, Solid, Space};
 use siloflow::dem::threads::Threads;
 use siloflow::dem::threads::trace::Passes;
+use siloflow::prelude::Simulation;
 use stopwatch::{PARTS, Stopwatch};
 
 use self::crystal::{Crystal, run_further};
 
 /// Numbers of threads of the model.
-const MODELLED: [u32; 6] = [2, 4, 8, 16, 32, 64];
+const MODELLED: [usize; 6] = [2, 4, 8, 16, 32, 64];
 
 /// The time of a phase, or of a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,6 +56,43 @@ struct Spent {
 struct Trace {
     parts: Vec<Spent>,
     bare: Duration,
+}
+
+/// What the program hands out to a number of threads.
+#[derive(Clone, Copy, Debug)]
+struct Shares {
+    /// Rows and evaluated pairs of all threads, of the busiest thread, and of a single thread.
+    all: usize,
+    largest: usize,
+    undivided: usize,
+    /// The largest part of the rows that a thread has.
+    rows: f64,
+    /// Pairs that two threads evaluate, by all pairs.
+    border: f64,
+}
+
+impl Shares {
+    /// Reads the tasks of a simulation.
+    fn of<V: Space>(simulation: &Simulation) -> Self {
+        let list = &simulation.world().resource::<Search<V>>().list;
+        let pairs = list.pairs().len();
+        let tasks = list.tasks();
+        let rows: usize = tasks.iter().map(|task| task.rows.len()).sum();
+        let doubled: usize = tasks.iter().map(|task| task.incoming.len()).sum();
+        let own = |rows: &Range<usize>| {
+            let before = |row: usize| list.pairs().iter().take_while(|pair| pair.first() < row).count();
+            before(rows.end) - before(rows.start)
+        };
+        let work = tasks.iter().map(|task| task.rows.len() + own(&task.rows) + task.incoming.len());
+        let most = tasks.iter().map(|task| task.rows.len()).max().unwrap_or(rows);
+        Self {
+            all: rows + pairs + doubled,
+            largest: work.max().unwrap_or(rows + pairs),
+            undivided: rows + pairs,
+            rows: ratio(most, rows),
+            border: ratio(doubled, pairs),
+        }
+    }
 }
 
 /// A bed in so many steps.
@@ -81,6 +122,12 @@ impl Bed {
         let watch = simulation.world().resource::<Stopwatch>();
         let parts = (0..PARTS.len()).map(|part| Spent { whole: watch.part(part), passes: watch.passes_of(part) });
         Trace { parts: parts.collect(), bare }
+    }
+
+    /// Returns what `threads` threads are handed.
+    fn shares(self, threads: NonZeroUsize) -> Shares {
+        let simulation = self.crystal.simulation_with(Threads::new(threads).expect("the system starts threads"));
+        if self.crystal.is_solid { Shares::of::<Solid>(&simulation) } else { Shares::of::<Plane>(&simulation) }
     }
 
     /// Time of a step, us.
@@ -117,21 +164,30 @@ fn table(name: &str, bed: Bed, threads: NonZeroUsize) {
     let gain = one.bare.as_secs_f64() / many.bare.as_secs_f64();
     let us = |time: Duration| time.as_secs_f64() * 1e6;
     println!("whole steps without the stopwatch: {:.2} and {:.2}, gain {gain:.2}", us(one.bare), us(many.bare));
-    model(bed, whole(&many), passes);
+    let contacts = many.parts[PARTS.iter().position(|part| part.0 == "contacts").expect("contacts are a part")];
+    model(bed, threads, whole(&many), passes, contacts.passes);
 }
 
 /// Prints the gain of more threads.
-fn model(bed: Bed, whole: Duration, passes: Passes) {
+fn model(bed: Bed, threads: NonZeroUsize, whole: Duration, passes: Passes, contacts: Passes) {
     let serial = bed.each(whole.saturating_sub(passes.wall));
-    let work = bed.each(passes.work);
     let joining = bed.each(passes.wall.saturating_sub(passes.longest));
-    let blocks = bed.crystal.grains.div_ceil(u32::try_from(BLOCK).expect("a block has few rows"));
-    let gain = |threads: u32| {
-        let share = f64::from(blocks.div_ceil(threads)) / f64::from(blocks);
-        (serial + work) / (serial + work * share + joining)
-    };
-    let gains = MODELLED.map(|threads| format!("  {threads}: {:.1}", gain(threads))).concat();
-    println!("model: serial {serial:.1}, work {work:.1}, joining {joining:.1}; gain of threads{gains}");
+    let others = bed.each(passes.work.saturating_sub(contacts.work));
+    // Time of a row or of a pair.
+    let each = bed.each(contacts.work) / ratio(bed.shares(threads).all, 1);
+    let contacts = each * ratio(bed.shares(NonZeroUsize::MIN).undivided, 1);
+    println!("model: serial {serial:.1}, contacts {contacts:.1}, other passes {others:.1}, joining {joining:.1}");
+    for count in MODELLED.map(|count| NonZeroUsize::new(count).expect("not 0")) {
+        let Shares { largest, rows, border, .. } = bed.shares(count);
+        let time = serial + each * ratio(largest, 1) + others * rows + joining;
+        let gain = (serial + contacts + others) / time;
+        println!("{count:>6} threads: gain {gain:.1}, border {:.1} %", 100.0 * border);
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "numbers of rows and pairs")]
+fn ratio(part: usize, whole: usize) -> f64 {
+    part as f64 / whole as f64
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a number of passes")]

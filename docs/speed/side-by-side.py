@@ -8,6 +8,7 @@
     docs/speed/side-by-side.py tile w1-1e5 10 --steps 200    (siloflow alone, ten such beds side by side)
     docs/speed/side-by-side.py shuffle w1-1e5                (siloflow alone, grains entering in random order)
     docs/speed/side-by-side.py threads w1-1e5 --threads 2    (siloflow alone, on one thread and on two alternately)
+    docs/speed/side-by-side.py cores w1-1e4 --threads 2      (both, on one core and on two alternately; LAMMPS with MPI)
 
 Beds: w1-1e3, w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
 All files are kept in --dir (default target/side-by-side). No packages needed.
@@ -71,12 +72,14 @@ def sh(command, **more):
     return done.stdout
 
 
-def lammps(args, script, **variables):
+def lammps(args, script, ranks=1, **variables):
     text = (HERE / script).read_text()
     words = [word for key, value in variables.items() for word in ("-var", key, value)]
     (args.dir / script).write_text(text)
-    command = ["taskset", "-c", args.core, args.lmp, "-in", script, *words, "-log", "none"]
-    return sh(command, cwd=args.dir, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    start = ["taskset", "-c", args.core] if ranks == 1 else ["mpirun", "--bind-to", "core", "-np", ranks]
+    command = [*start, args.lmp, "-in", script, *words, "-log", "none"]
+    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}  # containers
+    return sh(command, cwd=args.dir, env={**os.environ, **root, "OMP_NUM_THREADS": "1"})
 
 
 def settle(args, name):
@@ -282,9 +285,30 @@ def threads(args, name, most):
         print(f"{name}, threads: {count} {ns:7.1f} ns per particle-step ({min(found):.1f} to {max(found):.1f}), {one / ns:.2f} times")
 
 
+def cores(args, name, most):
+    """Times both programs on one core and on `most`, alternately."""
+    bed = BEDS[name]
+    scene, _ = write_scene(args, name)
+    steps, skin = args.steps or bed["steps"], args.lammps_skin or bed["lammps_skin"]
+    times = {(program, count): [] for program in ("LAMMPS", "siloflow") for count in (1, most)}
+    for _ in range(args.rounds):
+        for (program, count), found in times.items():
+            if program == "LAMMPS":
+                ns, _ = loop_time(lammps(args, f"{name[:2]}-run.in", ranks=count, data=f"{name}.data", nsteps=steps, skin=skin))
+            else:
+                args.threads = count
+                ns, _ = nanoseconds(args, scene, bed["dt"], steps)
+            found.append(ns)
+    middle = {way: statistics.median(found) for way, found in times.items()}
+    for (program, count), found in times.items():
+        ns = middle[program, count]
+        print(f"{name}, {args.integrator}, cores: {count} {program:8} {ns:7.1f} ns per particle-step ({min(found):.1f} to {max(found):.1f}), "
+              f"gain {middle[program, 1] / ns:.2f}, ratio {middle['LAMMPS', count] / ns:.2f}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("settle", "compare", "tile", "shuffle", "threads", "scene"))
+    parser.add_argument("what", choices=("settle", "compare", "tile", "shuffle", "threads", "cores", "scene"))
     parser.add_argument("bed", choices=BEDS)
     parser.add_argument("copies", nargs="?", type=int, default=1)
     parser.add_argument("--lmp", default="lmp")
@@ -309,6 +333,8 @@ def main():
         shuffle(args, args.bed)
     elif args.what == "threads":
         threads(args, args.bed, max(args.threads, 2))
+    elif args.what == "cores":
+        cores(args, args.bed, max(args.threads, 2))
     elif args.what == "scene":
         print(write_scene(args, args.bed, args.copies)[0])
     else:

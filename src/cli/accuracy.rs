@@ -17,6 +17,7 @@ use crate::studies::accuracy::ladder::{self, Climb, Prepared};
 use crate::studies::accuracy::report::Report;
 use crate::studies::accuracy::scene_study::Question;
 use crate::studies::accuracy::{SCHEMES, cases, cost, figure};
+use crate::writers::provenance::Provenance;
 use siloflow_text::fault::Fault;
 
 /// Arguments of `accuracy`.
@@ -158,8 +159,15 @@ fn json(report: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(report).unwrap_or_default() + "\n"
 }
 
+/// Tells what made the page: times are those of the machine.
+fn origin() -> String {
+    let made = Provenance::now();
+    let machine = made.processor.as_deref().map_or_else(String::new, |name| format!(" on {name}"));
+    format!("`{}`, siloflow {}, {}{machine}.\n\n", made.command, made.version, made.day())
+}
+
 fn files(report: &Report) -> Result<Vec<(String, Vec<u8>)>, Fault> {
-    let tables = [("csv", report.csv()), ("json", json(report)), ("md", report.markdown())];
+    let tables = [("csv", report.csv()), ("json", json(report)), ("md", origin() + &report.markdown())];
     let mut files: Vec<_> =
         tables.into_iter().map(|(ending, text)| (format!("accuracy.{ending}"), text.into_bytes())).collect();
     let figures = [("work-precision", Some(figure::work_precision(report))), ("in-time", figure::in_time(report))];

@@ -254,7 +254,9 @@ fn answer(
     let larger = with(Change::Larger);
     if let Some(point) = half_step {
         found.step = compare(answer, goal, runs, &[point; RUNS_OF_HALF_STEP])?;
-        if found.step.is_some_and(|step| step.is_significant) {
+        let [half, value] = answer.fit.map_or([0.0, f64::NAN], |fit| [fit.interval.half(), fit.value]);
+        let wanted = goal.within.map(|within| within.half(value));
+        if found.step.is_some_and(|step| step.matters(half, wanted)) {
             answer.refused = answer.refused.or(Some(Refusal::Step));
         }
     }

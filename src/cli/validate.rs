@@ -18,6 +18,7 @@ use crate::studies::validation::page::{self, Section};
 use crate::studies::validation::runs::{Studies, sweep_directory};
 use crate::studies::validation::verdict::Verdict;
 use crate::studies::validation::{Case, Form};
+use crate::writers::provenance::Provenance;
 use siloflow_figures::statistics::digits::short;
 use siloflow_files::marked::foreign_entry;
 use siloflow_files::own_files;
@@ -100,7 +101,8 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
         let runs = studies.all().count();
         let particle_steps = studies.particle_steps();
         let seconds = studies.seconds();
-        let section = Section { case, form, runs, particle_steps, seconds, judgement };
+        let day = Provenance::now().day().to_owned();
+        let section = Section { case, form, runs, particle_steps, seconds, day, judgement };
         if !quiet {
             say(&in_words(&section));
         }

@@ -39,6 +39,14 @@ impl Provenance {
     }
 }
 
+impl Provenance {
+    /// Returns the day, as in 2026-11-30.
+    #[must_use]
+    pub fn day(&self) -> &str {
+        self.ended.split('T').next().unwrap_or_default()
+    }
+}
+
 /// Returns the name of the processor from the text of `/proc/cpuinfo`.
 fn parse_processor(text: &str) -> Option<String> {
     let line = text.lines().find_map(|line| line.strip_prefix("model name"))?;

@@ -13,9 +13,11 @@
 //!
 //! Calls of the program in blocks that are not run must at least be calls that the program understands.
 //!
-//! `cargo run --release --` stands for the program under test. What pages show of the output is compared: [`transcripts`].
+//! `cargo run --release --` stands for the program under test. What pages show of the output is compared: [`transcripts`]. So are figures in prose:
+//! [`values`].
 
 mod transcripts;
+mod values;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -37,7 +39,9 @@ fn pages() -> Vec<PathBuf> {
         }
     }
     let mut pages: Vec<_> =
-        ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(|page| crate::root().join(page)).into();
+        ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "python/README.md"]
+            .map(|page| crate::root().join(page))
+            .into();
     collect(&crate::root().join("docs"), &mut pages);
     pages.sort();
     pages
@@ -191,19 +195,23 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
             ["sh"] => {}
             ["sh", "full", ref programs @ ..] if full && programs.iter().all(|program| is_installed(program)) => {}
             ["text"] => {
-                if let Some(output) = printed.take().filter(|_| HAS_KNOWN_BITS) {
+                if let Some(output) = printed.as_ref().filter(|_| HAS_KNOWN_BITS) {
                     if is_renewed() {
-                        let new = transcripts::renewed(&block, &output);
+                        let new = transcripts::renewed(&block, output);
                         renewed = renewed.replace(&block, &new.map_err(|why| format!("{}: {why}", page.display()))?);
                     } else {
-                        wrong.extend(transcripts::compare(&block, &output).err());
+                        wrong.extend(transcripts::compare(&block, output).err());
                     }
                 }
                 continue;
             }
-            ["sh", "full", ..] | ["sh", "setup" | "manual"] => {
+            ["sh", "setup"] => {
+                understood(&block).map_err(|why| format!("{}: {why}", page.display()))?;
+                continue;
+            }
+            ["sh", "full", ..] | ["sh", "manual"] => {
                 printed = None;
-                has_left_out |= !language.contains("setup");
+                has_left_out = true;
                 understood(&block).map_err(|why| format!("{}: {why}", page.display()))?;
                 continue;
             }
@@ -226,9 +234,9 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
         }
         printed = Some(shown);
     }
-    // Values come from runs that may be left out.
-    if HAS_KNOWN_BITS && !has_left_out {
-        let (text, differing) = transcripts::values(&renewed, here.path())?;
+    if HAS_KNOWN_BITS {
+        let found = values::values(&renewed, here.path(), crate::root(), !has_left_out);
+        let (text, differing) = found.map_err(|why| format!("{}: {why}", page.display()))?;
         renewed = text;
         wrong.extend(differing);
     }

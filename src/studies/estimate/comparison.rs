@@ -25,6 +25,15 @@ pub struct Comparison {
     pub is_significant: bool,
 }
 
+impl Comparison {
+    /// Whether the effect of half of the step refuses an interval of this half width: it is more than chance, and too large for the half width that is
+    /// wanted. The error of the step itself is taken for twice the effect of its half, as in a scheme of first order.
+    #[must_use]
+    pub fn matters(self, half: f64, wanted: Option<f64>) -> bool {
+        self.is_significant && wanted.is_none_or(|wanted| half + 2.0 * self.change.abs() > wanted)
+    }
+}
+
 /// Compares the [compared rung](Answer::compared) with some runs of a changed scene. `None` if there is nothing to compare.
 ///
 /// # Errors
@@ -50,4 +59,17 @@ pub fn compare(
     let error = deviation * (1.0 / other.count + 1.0 / own.count).sqrt();
     let limit = fit.map_or(0.0, |fit| student(0.99, fit.freedom));
     Ok(Some(Comparison { change, error, is_significant: change.abs() > limit * error }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_of_the_step_refuses_if_it_is_too_large_for_the_request() {
+        let clear = Comparison { change: -0.1, error: 0.01, is_significant: true };
+        assert!(clear.matters(0.3, None) && clear.matters(0.3, Some(0.49)));
+        assert!(!clear.matters(0.3, Some(0.51)));
+        assert!(!Comparison { is_significant: false, ..clear }.matters(0.3, None));
+    }
 }

@@ -32,6 +32,8 @@ pub struct Section<'a> {
     pub particle_steps: f64,
     /// Time of the runs on their cores, s.
     pub seconds: f64,
+    /// The day on which the section is written, as in 2026-11-30.
+    pub day: String,
     /// The verdict.
     pub judgement: Judgement,
 }
@@ -71,14 +73,15 @@ impl Section<'_> {
     /// Returns `CASE.md`. Writing to a string cannot fail.
     #[must_use]
     pub fn markdown(&self) -> String {
-        let Self { case, form, runs, particle_steps, judgement, .. } = self;
+        let Self { case, form, runs, particle_steps, day, judgement, .. } = self;
         let flag = if *form == Form::Full { " --full" } else { "" };
         let mut text = format!(
-            "## {}\n\n{}\n\nThe {} form: {runs} runs, {} particle-steps. `siloflow validate {}{flag}`\n\n",
+            "## {}\n\n{}\n\nThe {} form: {runs} runs, {} particle-steps, written by siloflow {} on {day}. `siloflow validate {}{flag}`\n\n",
             case.title,
             case.sources,
             form.name(),
             short(*particle_steps),
+            env!("CARGO_PKG_VERSION"),
             case.name
         );
         text += "| quantity | siloflow | published | rule | verdict |\n|---|---|---|---|---|\n";
@@ -112,7 +115,7 @@ impl Section<'_> {
 /// If a section or table in the directory cannot be read.
 pub fn overview(directory: &Path) -> Result<String, Fault> {
     let mut text = "# Validation against published silos\n\nEach case is a set of scenes that the program carries. \
-                    `siloflow validate CASE` runs its short form, which takes minutes, and `--full` its full form; it writes the case's section, \
+                    `siloflow validate CASE` runs its short form, which takes minutes of a core, and `--full` its full form; it writes the case's section, \
                     table and figures, and this page. A rule comes from the publication or from theory, and a figure that breaks its rule is shown as a miss. \
                     Figures whose source could not be read are reported without a verdict.\n\n\
                     | case | form | pass | miss | reported |\n|---|---|---|---|---|\n"

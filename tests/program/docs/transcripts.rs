@@ -1,15 +1,10 @@
-//! Transcripts and figures in pages, compared with what the commands of the page give.
+//! Transcripts in pages, compared with what the commands of the page print.
 //!
-//! * A `text` block after an `sh` block shows what its commands print, on both streams. A line `...` stands for any lines that are left out; so it leaves
-//!   out times of a machine too.
-//! * In prose, `<!-- value FILE PATH DECIMALS -->52.8<!-- end -->` is a number of a JSON file that the page's commands have written: `PATH` is its path, as
-//!   in `discharge.rate_per_s`. In a CSV file `PATH` is `column@time`, for the last row up to this time, s.
+//! A `text` block after an `sh` block shows what its commands print, on both streams. A line `...` stands for any lines that are left out; so it leaves
+//! out times of a machine too. Several `text` blocks may follow.
 //!
 //! With `SILOFLOW_RENEW_PAGES` set, pages are rewritten in place of a comparison. A transcript keeps its lines: each is replaced by the next line of the
 //! output that differs from it in digits alone.
-
-use std::fs;
-use std::path::Path;
 
 /// A line without its numbers.
 fn skeleton(line: &str) -> String {
@@ -98,54 +93,6 @@ pub fn without_progress(output: &str) -> String {
     output.lines().filter(|line| !is_progress(line)).map(|line| line.to_owned() + "\n").collect()
 }
 
-const BEGIN: &str = "<!-- value ";
-const END: &str = "<!-- end -->";
-
-/// Returns the text of a page with the values of the files in `here`, and a list of those that differ.
-pub fn values(text: &str, here: &Path) -> Result<(String, Vec<String>), String> {
-    let mut renewed = String::new();
-    let mut wrong = Vec::new();
-    let mut rest = text;
-    while let Some(start) = rest.find(BEGIN) {
-        let (before, from) = rest.split_at(start);
-        let (call, after) = from[BEGIN.len()..].split_once(" -->").ok_or("a value without `-->`")?;
-        let (shown, behind) = after.split_once(END).ok_or("a value without an end")?;
-        let value = value(call, here)?;
-        if value != shown {
-            wrong.push(format!("{call}: the page shows {shown}, the file has {value}"));
-        }
-        renewed.extend([before, BEGIN, call, " -->", &value, END]);
-        rest = behind;
-    }
-    Ok((renewed + rest, wrong))
-}
-
-fn value(call: &str, here: &Path) -> Result<String, String> {
-    let [file, path, decimals] = call.split_whitespace().collect::<Vec<_>>()[..] else {
-        return Err(format!("`{call}` is not FILE PATH DECIMALS"));
-    };
-    let text = fs::read_to_string(here.join(file)).map_err(|error| format!("{file}: {error}"))?;
-    let number = if let Some((column, time)) = path.split_once('@') {
-        of_table(&text, column, time.parse().map_err(|_| "a time in s")?)
-    } else {
-        let json: serde_json::Value = serde_json::from_str(&text).map_err(|error| format!("{file}: {error}"))?;
-        json.pointer(&format!("/{}", path.replace('.', "/"))).and_then(serde_json::Value::as_f64)
-    };
-    let number = number.ok_or(format!("{file} has no {path}"))?;
-    let decimals: usize = decimals.parse().map_err(|_| "a number of decimals")?;
-    Ok(format!("{number:.decimals$}"))
-}
-
-fn of_table(text: &str, column: &str, time: f64) -> Option<f64> {
-    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
-    let names: Vec<&str> = lines.next()?.split(',').collect();
-    let place = |name: &str| names.iter().position(|found| *found == name);
-    let [at, of] = [place("time_s")?, place(column)?];
-    let cell = |line: &str, place: usize| line.split(',').nth(place)?.parse::<f64>().ok();
-    let line = lines.rfind(|line| cell(line, at).is_some_and(|own| own <= time + 1e-9))?;
-    cell(line, of)
-}
-
 #[test]
 fn transcripts_are_compared_line_by_line() {
     let output = "a 1.5 s\nb\nc 3\nd\n";
@@ -165,16 +112,4 @@ fn lines_of_progress_are_left_out() {
     let of_diff = "step 3903, t = 0.20 of at most 1: the same so far | at most 4 s to go\n";
     let of_run = "t = 0.20 s of at most 1 s | 1.2 M particle-steps/s | at most 4 s to go | inside 3, out 0\n";
     assert_eq!(without_progress(&format!("{of_diff}first out\n{of_run}")), "first out\n");
-}
-
-#[test]
-fn values_are_read_from_files() {
-    let here = tempfile::tempdir().unwrap();
-    fs::write(here.path().join("a.json"), r#"{"b": {"c": 1.26}}"#).unwrap();
-    fs::write(here.path().join("a.csv"), "time_s,out\n0,1\n0.5,7\n1,9\n").unwrap();
-    let text = "x <!-- value a.json b.c 1 -->1.3<!-- end --> y <!-- value a.csv out@0.9 0 -->8<!-- end -->.";
-    let (renewed, wrong) = values(text, here.path()).unwrap();
-    assert_eq!(renewed, text.replace(">8<", ">7<"));
-    assert!(wrong.len() == 1 && wrong[0].contains("shows 8, the file has 7"), "{wrong:?}");
-    assert!(values("<!-- value a.json b.d 1 -->1<!-- end -->", here.path()).is_err());
 }
