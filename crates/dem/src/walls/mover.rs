@@ -155,9 +155,13 @@ impl<V: Space> Mover<V> {
             wall.reference = reference;
             wall.velocity = home.velocity + now.velocity + (reference - pivot).turned_by(now.spin);
             wall.spin = home.spin + now.spin;
-            wall.gained = gained.map(|WallGain { velocity, spin }| {
-                Box::new(WallGain { velocity: velocity + (reference - pivot).turned_by(spin), spin })
-            });
+            if let Some(WallGain { velocity, spin }) = gained {
+                let velocity = velocity + (reference - pivot).turned_by(spin);
+                // A mesh has many surfaces: their boxes are kept.
+                **wall.gained.get_or_insert_default() = WallGain { velocity, spin };
+            } else {
+                wall.gained = None;
+            }
         }
         longest
     }

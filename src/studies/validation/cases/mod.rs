@@ -16,6 +16,7 @@ mod ellipsoid_packing;
 mod janssen;
 mod orifice_profiles;
 mod rice_clogging;
+mod turning_base;
 mod two_shapes;
 
 use crate::studies::validation::Case;
@@ -23,7 +24,7 @@ use siloflow_text::fault::Fault;
 use siloflow_text::suggestion::did_you_mean;
 
 /// All cases, in the order of the page.
-pub const CASES: [&Case; 16] = [
+pub const CASES: [&Case; 17] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,
@@ -38,6 +39,7 @@ pub const CASES: [&Case; 16] = [
     &janssen::CASE,
     &chung_ooi::CASE,
     &ellipsoid_discharge::CASE,
+    &turning_base::CASE,
     &ellipsoid_packing::CASE,
     &capsule_packing::CASE,
 ];
