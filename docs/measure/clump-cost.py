@@ -2,14 +2,17 @@
 """Time of a step of a sphere in a body of three spheres, beside that of a sphere by itself: the figures of docs/explanation/shapes.md.
 
     python3 docs/measure/clump-cost.py --siloflow target/release/siloflow
+    python3 docs/measure/clump-cost.py --siloflow target/release/siloflow --bodies 3000 --lmp lmp      (LAMMPS too, with `fix rigid/small`)
 
 Beds of bed3d's material, periodic sideways: 10,000 bodies of three spheres and 30,000 spheres, of the same spheres. Each is dropped and settles for 0.15 s. Then 400 steps
-from its `state.csv` are timed, five times in alternation, on one core. Takes about half an hour.
+from its `state.csv` are timed, five times in alternation, on one core. LAMMPS makes the same steps from an export of the same scene; its time is that of its loop. Takes about
+half an hour, with 3000 bodies some ten minutes.
 """
 
 import argparse
 import json
 import pathlib
+import re
 import statistics
 import subprocess
 import tempfile
@@ -35,6 +38,7 @@ def main():
     parser.add_argument("--bodies", type=int, default=10_000)
     parser.add_argument("--settle", type=float, default=0.15, help="s")
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--lmp", help="LAMMPS")
     arguments = parser.parse_args()
     siloflow = arguments.siloflow.resolve()
     side = 0.027 * (arguments.bodies / 10_000) ** 0.5
@@ -51,10 +55,22 @@ def main():
             subprocess.run(command, cwd=here, check=True)
             return json.loads((here / name / "summary.json").read_text())
 
+        def lammps(name):
+            """Loop time of LAMMPS, ns a step."""
+            out = here / f"{name}-lammps"
+            if not out.exists():
+                export = [siloflow, "export", f"{name}-timed.ron", "--to", "lammps", "--out", out, "--quiet"]
+                subprocess.run(export, cwd=here, check=True)
+            command = ["taskset", "-c", "1", arguments.lmp, "-in", "in.silo", "-log", "none"]
+            text = subprocess.run(command, cwd=out, check=True, capture_output=True, text=True).stdout
+            loops = re.findall(r"Loop time of (\S+) on .* for (\d+) steps", text)
+            return 1e9 * sum(float(loop) for loop, _ in loops) / sum(int(steps) for _, steps in loops)
+
         for name, (shapes, fill, _) in kinds.items():
             run(name, SCENE % {"side": side, "shapes": shapes, "grains": FILL % {"side": side, **fill}, "until": arguments.settle})
             (here / f"{name}.csv").write_text((here / name / "state.csv").read_text())
         times = {name: [] for name in kinds}
+        theirs = {name: [] for name in kinds}
         for _ in range(arguments.rounds):
             for name, (shapes, _, spheres) in kinds.items():
                 grains = f'grains: (file: "{name}.csv")'
@@ -62,8 +78,16 @@ def main():
                 times[name].append(1e9 / summary["performance"]["particle_steps_per_s"] / spheres)
                 contacts = summary["coordination"] / spheres
                 print(f"{name:7s} {times[name][-1]:6.1f} ns a sphere and step, {contacts:.2f} contacts a sphere", flush=True)
+                if arguments.lmp:
+                    # Both beds have as many spheres.
+                    theirs[name].append(lammps(name) / (3 * arguments.bodies))
+                    print(f"        {theirs[name][-1]:6.1f} ns in LAMMPS", flush=True)
         for name, all_times in times.items():
             print(f"{name:7s} median {statistics.median(all_times):6.1f} ns, {min(all_times):.1f} to {max(all_times):.1f}")
+            if arguments.lmp:
+                middle = statistics.median(theirs[name])
+                ratio = statistics.median(other / own for own, other in zip(all_times, theirs[name], strict=True))
+                print(f"LAMMPS  median {middle:6.1f} ns, {min(theirs[name]):.1f} to {max(theirs[name]):.1f}, ratio {ratio:.2f}")
 
 
 if __name__ == "__main__":

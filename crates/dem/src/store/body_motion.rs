@@ -133,17 +133,15 @@ impl<V: Space> ParticleStore<V> {
         let spheres = SphereLoads { forces: sphere_forces, torques: sphere_torques, first };
         let bodies = &*bodies;
         let count = bodies.free;
-        let mut free = free_forces[..count].iter_mut().zip(&mut free_torques[..count]).enumerate();
         let size = count.div_ceil(threads.count()).max(CHUNK);
-        let jobs = (0..count.div_ceil(size)).map(|_| {
-            let part: Vec<_> = free.by_ref().take(size).collect();
+        let parts = free_forces[..count].chunks_mut(size).zip(free_torques[..count].chunks_mut(size));
+        threads.share(parts.enumerate().map(|(part, (forces, torques))| {
             move || {
-                for (b, (force, torque)) in part {
+                for (b, (force, torque)) in (part * size..).zip(forces.iter_mut().zip(torques)) {
                     spheres.gather(bodies, b, force, torque);
                 }
             }
-        });
-        threads.share(jobs.collect::<Vec<_>>());
+        }));
         for (place, (force, torque)) in fixed_forces.iter_mut().zip(fixed_torques).enumerate() {
             spheres.gather(bodies, count + place, force, torque);
         }
