@@ -34,6 +34,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use siloflow::dem::neighbours::Search;
+use siloflow::dem::neighbours::list::Task;
 use siloflow::dem::space::{Plane, Solid, Space};
 use siloflow::dem::threads::Threads;
 use siloflow::dem::threads::trace::Passes;
@@ -58,12 +59,14 @@ struct Trace {
     bare: Duration,
 }
 
-/// What the program hands out to a number of threads.
+/// The work that the program hands out to a number of threads.
 #[derive(Clone, Copy, Debug)]
 struct Shares {
-    /// Rows and evaluated pairs of all threads, of the busiest thread, and of a single thread.
+    /// Rows and pairs that all threads evaluate.
     all: usize,
+    /// Rows and pairs of the busiest thread.
     largest: usize,
+    /// Rows and pairs of a single thread.
     undivided: usize,
     /// The largest part of the rows that a thread has.
     rows: f64,
@@ -75,22 +78,22 @@ impl Shares {
     /// Reads the tasks of a simulation.
     fn of<V: Space>(simulation: &Simulation) -> Self {
         let list = &simulation.world().resource::<Search<V>>().list;
-        let pairs = list.pairs().len();
+        let pairs = list.pairs();
+        let before = |row: usize| pairs.partition_point(|pair| pair.first() < row);
+        let work = |task: &Task| {
+            let Range { start, end } = task.rows;
+            end - start + before(end) - before(start) + task.incoming.len()
+        };
         let tasks = list.tasks();
         let rows: usize = tasks.iter().map(|task| task.rows.len()).sum();
-        let doubled: usize = tasks.iter().map(|task| task.incoming.len()).sum();
-        let own = |rows: &Range<usize>| {
-            let before = |row: usize| list.pairs().iter().take_while(|pair| pair.first() < row).count();
-            before(rows.end) - before(rows.start)
-        };
-        let work = tasks.iter().map(|task| task.rows.len() + own(&task.rows) + task.incoming.len());
-        let most = tasks.iter().map(|task| task.rows.len()).max().unwrap_or(rows);
+        let undivided = rows + pairs.len();
+        let all = tasks.iter().map(work).sum();
         Self {
-            all: rows + pairs + doubled,
-            largest: work.max().unwrap_or(rows + pairs),
-            undivided: rows + pairs,
-            rows: ratio(most, rows),
-            border: ratio(doubled, pairs),
+            all,
+            largest: tasks.iter().map(work).max().unwrap_or(0),
+            undivided,
+            rows: ratio(tasks.iter().map(|task| task.rows.len()).max().unwrap_or(0), rows),
+            border: ratio(all - undivided, pairs.len()),
         }
     }
 }
@@ -173,13 +176,14 @@ fn model(bed: Bed, threads: NonZeroUsize, whole: Duration, passes: Passes, conta
     let serial = bed.each(whole.saturating_sub(passes.wall));
     let joining = bed.each(passes.wall.saturating_sub(passes.longest));
     let others = bed.each(passes.work.saturating_sub(contacts.work));
-    // Time of a row or of a pair.
-    let each = bed.each(contacts.work) / ratio(bed.shares(threads).all, 1);
-    let contacts = each * ratio(bed.shares(NonZeroUsize::MIN).undivided, 1);
+    let Shares { all, undivided, .. } = bed.shares(threads);
+    // Time of so many rows and pairs, us.
+    let time_of = |count: usize| bed.each(contacts.work) * ratio(count, all);
+    let contacts = time_of(undivided);
     println!("model: serial {serial:.1}, contacts {contacts:.1}, other passes {others:.1}, joining {joining:.1}");
     for count in MODELLED.map(|count| NonZeroUsize::new(count).expect("not 0")) {
         let Shares { largest, rows, border, .. } = bed.shares(count);
-        let time = serial + each * ratio(largest, 1) + others * rows + joining;
+        let time = serial + time_of(largest) + others * rows + joining;
         let gain = (serial + contacts + others) / time;
         println!("{count:>6} threads: gain {gain:.1}, border {:.1} %", 100.0 * border);
     }

@@ -159,7 +159,7 @@ fn json(report: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(report).unwrap_or_default() + "\n"
 }
 
-/// Tells what made the page: times are those of the machine.
+/// Returns the first line of the page: command, version, day and machine, on which its times depend.
 fn origin() -> String {
     let made = Provenance::now();
     let machine = made.processor.as_deref().map_or_else(String::new, |name| format!(" on {name}"));

@@ -13,8 +13,8 @@
 //!
 //! Calls of the program in blocks that are not run must at least be calls that the program understands.
 //!
-//! `cargo run --release --` stands for the program under test. What pages show of the output is compared: [`transcripts`]. So are figures in prose:
-//! [`values`].
+//! `cargo run --release --` stands for the program under test. The test compares the output that pages show ([`transcripts`]) and figures in prose and
+//! tables ([`values`]).
 
 mod transcripts;
 mod values;

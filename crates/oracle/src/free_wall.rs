@@ -40,7 +40,7 @@ pub struct FreeWall {
     pub place: f64,
     /// v, m/s or rad/s.
     pub rate: f64,
-    /// What the rate gains from the middle of the step to its end, as far as the scheme predicts it.
+    /// Gain of the rate from the middle of the step to its end, as far as the scheme predicts it.
     pub gained: f64,
     /// (F + A)/M at the end of the step.
     pub acceleration: f64,

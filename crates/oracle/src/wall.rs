@@ -32,7 +32,7 @@ pub struct Foot {
     pub normal: V,
     /// Velocity of the wall there, m/s, in the middle of the step.
     pub velocity: V,
-    /// What it gains from then to the end of the step.
+    /// Velocity that the wall gains there from the middle of the step to its end, m/s, as far as the scheme predicts it.
     pub gained: V,
 }
 

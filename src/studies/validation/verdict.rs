@@ -86,6 +86,15 @@ impl FigureRow {
         Self { error: mean.map(|mean| mean.error).filter(|error| *error > 0.0), ..row }
     }
 
+    /// Returns a row for the ratio of two means; without one of them it has no figure.
+    #[must_use]
+    pub fn of_ratio(quantity: impl Into<String>, above: Option<Mean>, below: Option<Mean>) -> Self {
+        let Some((above, below)) = above.zip(below) else { return Self::new(quantity, "", f64::NAN) };
+        let ratio = above.value / below.value;
+        let error = ratio * (above.error / above.value).hypot(below.error / below.value);
+        Self::new(quantity, "", ratio).error(Some(error).filter(|error| *error > 0.0))
+    }
+
     /// Adds a standard error.
     #[must_use]
     pub fn error(self, error: Option<f64>) -> Self {

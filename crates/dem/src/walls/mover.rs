@@ -119,31 +119,27 @@ impl<V: Space> Mover<V> {
         endless.map(|(index, _)| *index)
     }
 
-    /// Returns the gain of the velocity of the pivot and of the spin from the middle of the step to its end at `time` (s), where contacts take
-    /// velocities predicted for the end. `half` is half the step, s.
-    fn gained(&self, time: f64, half: f64) -> WallGain<V> {
-        let gain = |now: PoseInTime<V>, middle: PoseInTime<V>| WallGain {
-            velocity: now.velocity - middle.velocity,
-            spin: now.spin - middle.spin,
-        };
-        match &self.drive {
-            Drive::Free(wall, state) => {
-                let PoseInTime { velocity, spin, .. } = wall.pose(state.coordinate, state.gained());
-                WallGain { velocity, spin }
-            }
-            drive => gain(drive.at(time), drive.at(time - half)),
+    /// Returns the gain of the velocity of the pivot and of the spin from the middle of the step, at the time `middle` (s), to its end, at which
+    /// the walls move as in `end`.
+    fn gained(&self, middle: f64, end: &PoseInTime<V>) -> WallGain<V> {
+        if let Drive::Free(wall, state) = &self.drive {
+            let PoseInTime { velocity, spin, .. } = wall.pose(state.coordinate, state.gained());
+            return WallGain { velocity, spin };
         }
+        let middle = self.drive.at(middle);
+        WallGain { velocity: end.velocity - middle.velocity, spin: end.spin - middle.spin }
     }
 
     /// Places the surfaces for the time `now`, s. Returns the longest way of one of their points since the time `before`, m. `half` is half the
     /// step (s) where contacts take velocities predicted for its end.
     pub(super) fn place(&self, all: &mut [SurfaceWall<V>], before: f64, now: f64, half: Option<f64>) -> f64 {
-        let gained = half.map(|half| self.gained(now, half)).filter(WallGain::is_some);
         let before = match &self.drive {
             Drive::Free(wall, state) => wall.pose(state.before, 0.0),
             drive => drive.at(before),
         };
+        let middle = half.map(|half| now - half);
         let now = self.drive.at(now);
+        let gained = middle.map(|middle| self.gained(middle, &now)).filter(|gained| !gained.is_zero());
         let turned = (now.pose.angle - before.pose.angle).abs();
         let pivot = now.pose.point(now.pose.about);
         let mut longest = 0.0f64;

@@ -29,7 +29,7 @@ pub struct SurfaceWall<V: Space = Plane> {
     /// Angular velocity, rad/s.
     pub spin: V::Spin,
     /// The part of `velocity` and `spin` that is gained after the middle of the step, where contacts take velocities predicted for its end.
-    /// None for a wall at a constant rate.
+    /// `None` for a wall at a constant rate.
     pub gained: Option<Box<WallGain<V>>>,
     /// Material.
     pub species: Species,
@@ -73,6 +73,13 @@ impl<V: Space> SurfaceWall<V> {
             self.velocity + (point() - self.reference).turned_by(self.spin)
         }
     }
+
+    /// Returns the part of [`Self::velocity_at`] that is [gained](Self::gained) after the middle of the step, m/s.
+    #[inline(always)]
+    pub(crate) fn gained_at(&self, point: impl FnOnce() -> V) -> Option<V> {
+        let WallGain { velocity, spin } = **self.gained.as_ref()?;
+        Some(velocity + (point() - self.reference).turned_by(spin))
+    }
 }
 
 /// Gain of the motion of a wall in half a step.
@@ -85,9 +92,9 @@ pub struct WallGain<V: Space> {
 }
 
 impl<V: Space> WallGain<V> {
-    /// Whether there is a gain.
-    pub(super) fn is_some(&self) -> bool {
-        self.velocity != V::ZERO || self.spin != V::Spin::ZERO
+    /// Whether nothing is gained.
+    pub(super) fn is_zero(&self) -> bool {
+        self.velocity == V::ZERO && self.spin == V::Spin::ZERO
     }
 }
 

@@ -12,12 +12,11 @@
 //!
 //! A run that clogs has no rate.
 
-use crate::studies::validation::groups::groups_by;
+use crate::studies::validation::groups::{groups_by, mean_rate};
 use crate::studies::validation::runs::Studies;
 use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
-use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// The case.
@@ -45,21 +44,18 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let lentils = groups(studies.runs("full-lentil.ron"));
     let mut rates = Vec::new();
     for (aspect, of_shape) in lentils.into_iter().chain(groups(studies.first_of(&["full.ron", "short.ron"]))) {
-        let flowing: Vec<_> = of_shape.iter().filter(|run| run.status() != "clogged").collect();
-        let all = flowing.iter().map(|run| run.rate(FROM, f64::INFINITY)).collect::<Result<Vec<_>, _>>()?;
-        let rate = Mean::of(&all);
-        let remark = format!("runs: {}, of which {} clogged", of_shape.len(), of_shape.len() - flowing.len());
-        judgement.rows.push(FigureRow::of_mean(format!("aspect {aspect}: rate"), "grains/s", rate).remark(remark));
+        let (rate, row) = mean_rate(format!("aspect {aspect}: rate"), &of_shape, FROM)?;
+        judgement.rows.push(row);
         rates.extend(rate.map(|rate| (aspect, rate)));
     }
     let of = |aspect: f64| rates.iter().find(|(it, _)| (it - aspect).abs() < 1e-9).map(|(_, rate)| *rate);
     // The short form has no lentils.
     if !studies.runs("full-lentil.ron").is_empty() {
-        let row = ratio("aspect 0.6: rate over that of spheres".to_owned(), of(0.6), of(1.0));
+        let row = FigureRow::of_ratio("aspect 0.6: rate over that of spheres", of(0.6), of(1.0));
         let row = row.published(1.15, Rule::WithinAbsolute(0.05));
         judgement.rows.push(row.remark("published: an increase of about 15 %"));
     }
-    let row = ratio("aspect 1.5: rate over that of spheres".to_owned(), of(1.5), of(1.0));
+    let row = FigureRow::of_ratio("aspect 1.5: rate over that of spheres", of(1.5), of(1.0));
     judgement.rows.push(row.rule(Rule::Between(1.0, 2.0)).remark("published: a maximum"));
     let points: Vec<_> = rates.iter().map(|(aspect, rate)| (*aspect, rate.value)).collect();
     let x = Axis::logarithmic("aspect ratio", points.iter().map(|point| point.0));
@@ -75,12 +71,4 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
             .to_owned(),
     );
     Ok(judgement)
-}
-
-/// Returns the row of a ratio of two rates.
-fn ratio(quantity: String, above: Option<Mean>, below: Option<Mean>) -> FigureRow {
-    let Some((above, below)) = above.zip(below) else { return FigureRow::new(quantity, "", f64::NAN) };
-    let ratio = above.value / below.value;
-    let error = ratio * (above.error / above.value).hypot(below.error / below.value);
-    FigureRow::new(quantity, "", ratio).error(Some(error).filter(|error| *error > 0.0))
 }

@@ -11,12 +11,11 @@
 //!
 //! A rate is the slope of a straight line through the number of grains out, once rods near the base are in line with its motion. In the first second a turning base changes little.
 
-use crate::studies::validation::groups::groups_by;
+use crate::studies::validation::groups::{groups_by, mean_rate};
 use crate::studies::validation::runs::{FinishedRun, Studies};
 use crate::studies::validation::verdict::{FigureRow, Judgement, Picture, Rule};
 use crate::studies::validation::{Case, file};
 use siloflow_figures::diagram::{Axis, Curve, Panel, colour, sheet};
-use siloflow_figures::statistics::mean::Mean;
 use siloflow_text::fault::Fault;
 
 /// The case.
@@ -54,17 +53,14 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
         }
         let mut rates = Vec::new();
         for (turn, of_speed) in groups_by(runs.iter().copied(), |run| run.value("parameters.turn")) {
-            let flowing: Vec<_> = of_speed.iter().filter(|run| run.status() != "clogged").collect();
-            let all = flowing.iter().map(|run| run.rate(FROM, f64::INFINITY)).collect::<Result<Vec<_>, _>>()?;
-            let rate = Mean::of(&all);
-            let remark = format!("runs: {}, of which {} clogged", of_speed.len(), of_speed.len() - flowing.len());
-            let row = FigureRow::of_mean(format!("{name}, base at {turn} rad/s: rate"), "grains/s", rate);
-            judgement.rows.push(row.remark(remark));
+            let (rate, row) = mean_rate(format!("{name}, base at {turn} rad/s: rate"), &of_speed, FROM)?;
+            judgement.rows.push(row);
             rates.extend(rate.map(|rate| (turn, rate)));
         }
         let still = rates.iter().find(|(turn, _)| *turn <= 0.0).map(|(_, rate)| *rate);
         for (turn, rate) in rates.iter().filter(|(turn, _)| *turn > 0.0) {
-            let row = ratio(format!("{name}: rate at {turn} rad/s over that at rest"), *rate, still);
+            let row =
+                FigureRow::of_ratio(format!("{name}: rate at {turn} rad/s over that at rest"), Some(*rate), still);
             let row = if name == "rods" { row.rule(Rule::Between(0.3, 0.5)).known_miss(SMALLER) } else { row };
             judgement.rows.push(row);
         }
@@ -76,19 +72,12 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     judgement.pictures.push(Picture { name: "", svg: sheet(&panels, 2), caption });
     judgement.remarks.push(
         "The silo is 14 d wide and the orifice 6.5 d, friction is 0.5 and the base is smooth; those of the publications could not be read. Rods are capsules of five \
-         spheres, the pegs have flat ends. Rates of rods above a base at rest differ from run to run, because their flow stops and starts. The abstract also has a rate that grows exponentially with the orifice below D = 3 d, between clogs that the base breaks. There about one rod a \
-         second leaves, so that one rate would take thousands of seconds of a core: it was not run."
+         spheres, the pegs have flat ends. Rates of rods above a base at rest differ from run to run, because their flow stops and starts. The abstract also \
+         has a rate that grows exponentially with the orifice below D = 3 d, between clogs that the base breaks. There about one rod a second leaves, so that \
+         one rate would take thousands of seconds of a core: it was not run."
             .to_owned(),
     );
     Ok(judgement)
-}
-
-/// Returns the row of a ratio of two rates.
-fn ratio(quantity: String, rate: Mean, still: Option<Mean>) -> FigureRow {
-    let Some(still) = still else { return FigureRow::new(quantity, "", f64::NAN) };
-    let ratio = rate.value / still.value;
-    let error = ratio * (rate.error / rate.value).hypot(still.error / still.value);
-    FigureRow::new(quantity, "", ratio).error(Some(error).filter(|error| *error > 0.0))
 }
 
 /// Draws the curves of all runs.

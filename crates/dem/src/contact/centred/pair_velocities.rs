@@ -4,7 +4,7 @@ use crate::contact::pair::{Gathered, Pair};
 use crate::neighbours::list::Candidate;
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
-use crate::walls::surface_wall::{SurfaceWall, WallGain};
+use crate::walls::surface_wall::SurfaceWall;
 
 impl<V: Space> ParticleStore<V> {
     /// Turns a contact of two particles with predicted velocities into one with the velocities in the middle of the step
@@ -22,8 +22,7 @@ impl<V: Space> ParticleStore<V> {
     pub(in crate::contact) fn predict_with_wall(&self, i: usize, wall: &SurfaceWall<V>, pair: &mut Pair<V>) {
         pair.relative_velocity -= self.body[i].velocity - self.middle_velocity(i);
         pair.ahead.velocity = self.gain(i);
-        if let Some(gained) = &wall.gained {
-            let gained = self.gain_of_wall(i, wall, gained, pair);
+        if let Some(gained) = wall.gained_at(|| self.contact_point(i, pair)) {
             pair.relative_velocity += gained;
             pair.ahead.velocity -= gained;
         }
@@ -50,18 +49,16 @@ impl<V: Space> ParticleStore<V> {
     ) -> Gathered<V> {
         let ahead = self.body[i].velocity - self.middle_velocity(i);
         let mut relative_velocity = pair.relative_velocity - ahead;
-        if let Some(gained) = &wall.gained {
-            relative_velocity += self.gain_of_wall(i, wall, gained, pair);
+        if let Some(gained) = wall.gained_at(|| self.contact_point(i, pair)) {
+            relative_velocity += gained;
         }
         Gathered { relative_velocity, spins: [self.middle_spin(i), V::Spin::ZERO] }
     }
 
-    /// Velocity gain in half a step (m/s) of a wall where it touches particle `i`.
-    #[inline(never)]
-    fn gain_of_wall(&self, i: usize, wall: &SurfaceWall<V>, gained: &WallGain<V>, pair: &Pair<V>) -> V {
+    /// The point of a wall (m) at which particle `i` touches it.
+    fn contact_point(&self, i: usize, pair: &Pair<V>) -> V {
         let body = &self.body[i];
-        let point = body.position - pair.normal * (body.radius - pair.overlap);
-        gained.velocity + (point - wall.reference).turned_by(gained.spin)
+        body.position - pair.normal * (body.radius - pair.overlap)
     }
 
     /// Velocity gain of particle `i` in half a step by the forces at its beginning, m/s.
