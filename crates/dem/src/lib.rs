@@ -16,6 +16,7 @@ pub mod engine;
 pub mod gravity;
 pub mod instruction_set;
 pub mod integrate;
+pub(crate) mod lanes;
 pub mod math;
 pub mod messages;
 pub mod neighbours;

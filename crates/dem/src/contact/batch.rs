@@ -19,7 +19,7 @@ pub use self::gathered::GatheredLanes;
 pub use self::memories::MemoryLanes;
 pub use self::spins::Spins;
 use crate::contact::history::losses::ContactLosses;
-use crate::contact::lanes::{LANES, PerLane, of_both, smaller};
+use crate::lanes::{LANES, PerLane, of_both, smaller};
 use crate::contact::law::{LawComputation, LawRequirements, PairLaw};
 use crate::contact::memory::Memory;
 use crate::contact::pair::{MemoryTimes, Pair, VelocityPrediction};

@@ -5,7 +5,7 @@
 
 use crate::contact::centred::normal_load::{LoadEvent, NormalLoad, Unloading};
 use crate::contact::centred::window::Window;
-use crate::contact::lanes::larger;
+use crate::lanes::larger;
 use crate::contact::law::{Bounce, LawRequirements, PairLaw};
 use crate::contact::memory::{Memory, MemoryVariable};
 use crate::contact::pair::{Pair, VelocityPrediction};

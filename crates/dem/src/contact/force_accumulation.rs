@@ -5,7 +5,7 @@
 use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
-use crate::contact::lanes::LANES;
+use crate::lanes::LANES;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::{PairForce, Resistance};

@@ -29,7 +29,6 @@ pub mod hertz;
 pub mod history;
 pub(crate) mod inverse_root;
 pub mod jkr;
-pub(crate) mod lanes;
 pub(crate) mod law;
 pub mod linear;
 pub mod memory;

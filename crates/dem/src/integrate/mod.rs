@@ -5,6 +5,7 @@ mod recorded_velocity;
 pub mod rigid;
 pub mod rotation;
 mod scatter;
+mod turning;
 mod verlet;
 pub mod wrap;
 

@@ -15,7 +15,8 @@ use bevy_ecs::prelude::*;
 use crate::bodies::RigidShape;
 use crate::integrate::rotation::{first_kick, second_kick};
 use crate::integrate::scatter::scatter;
-use crate::space::{Linear, Rotor, Space, Turned};
+use crate::integrate::turning::{Turn, TurningBodies, TurningLanes};
+use crate::space::{Linear, Rotor, Space};
 use crate::step::{Clock, Part, Phase, Step};
 use crate::store::{
     BodyColumns, ChunkedPass, Kicked, MirrorSet, ParticleStore, PendingKick, SpinsDrifted, TOTAL,
@@ -29,41 +30,25 @@ fn turn_all<V: Space, const NUMBERS: usize, const SECOND: bool>(
     store: &mut ParticleStore<V>,
 ) {
     let predicts = store.predicts();
-    let share = store.prediction.spin_share;
+    let turn = Turn { dt, prediction: predicts.then_some(store.prediction.spin_share) };
     // Without prediction nobody reads it.
     let mut middle_spin = std::mem::take(&mut store.prediction.middle_spin);
     middle_spin.resize(store.rotation.len(), V::Spin::ZERO);
     let free = store.bodies.free;
     let ParticleStore { bodies: BodyColumns { momentum, rotor, inverse_inertia, .. }, loads, rotation, .. } = store;
-    let turning = (&mut momentum[..free], (&mut rotor[..free], &mut inverse_inertia[..free]));
+    let turning = (&mut momentum[..free], (&mut rotor[..free], &inverse_inertia[..free]));
     let spins = (&mut rotation[..free], &mut middle_spin[..free]);
-    let sums = chunked.in_chunks(
+    let instructions = chunked.instructions();
+    let sums = chunked.by_chunks(
         &loads.torque.entries::<NUMBERS>()[..free],
         (turning, spins),
-        #[inline(always)]
-        |torque, ((momentum, (rotor, inverse_inertia)), (rotation, middle_spin)), sum: &mut V::Spin| {
-            let inverse_inertia = *inverse_inertia;
-            let gain = torque[0] * (0.5 * dt);
-            let own_gain = rotor.own(gain);
-            let mut own = rotor.own(*momentum);
-            if SECOND {
-                *momentum += gain;
-                own += own_gain;
-                *sum += kick_term(torque, rotor.spin_of_own(own, inverse_inertia));
-            }
-            *momentum += gain;
-            own += own_gain;
-            let before = rotor.spin_of_own(own, inverse_inertia);
-            let Turned { rotor: turned, own } = rotor.freely_turned(own, inverse_inertia, dt);
-            let after = turned.spin_of_own(own, inverse_inertia);
-            let middle = (before + after) * 0.5;
-            if predicts {
-                *middle_spin = middle;
-                rotation.spin = turned.spin_of_own(own + turned.own(gain * share), inverse_inertia);
-            } else {
-                rotation.spin = middle;
-            }
-            *rotor = turned;
+        |torque, ((momentum, (rotor, inverse_inertia)), (rotation, middle_spin))| {
+            let mut bodies = TurningBodies { torque, inverse_inertia, momentum, rotor, rotation, middle_spin };
+            let mut lanes = TurningLanes::default();
+            instructions.run(
+                #[inline(always)]
+                || lanes.turn_all::<SECOND>(turn, &mut bodies),
+            )
         },
     );
     if SECOND {

@@ -24,6 +24,16 @@ mod quaternion;
 pub trait Rotor<V: Space>: Copy + Debug + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static {
     /// No rotation.
     const IDENTITY: Self;
+    /// Number of numbers.
+    const NUMBERS: usize;
+
+    /// Returns the numbers, and zeros after them.
+    #[must_use]
+    fn numbers(self) -> [f64; 4];
+
+    /// Returns the rotor of these numbers, which may be followed by others.
+    #[must_use]
+    fn of_numbers(numbers: [f64; 4]) -> Self;
 
     /// Returns a vector of the body as a vector of space.
     #[must_use]

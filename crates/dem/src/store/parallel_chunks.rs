@@ -21,7 +21,7 @@ pub(crate) struct ChunkedPass<'w> {
     instructions: Res<'w, InstructionSet>,
 }
 
-/// Columns of equal length that a pass writes: a slice, or a pair of columns.
+/// Columns of equal length: a slice that a pass writes, one that it reads, or a pair of columns.
 pub(crate) trait Columns: Sized + Send {
     /// The entries of one particle.
     type Entries;
@@ -44,6 +44,20 @@ impl<'a, T: Send> Columns for &'a mut [T] {
     #[inline(always)]
     fn entries(self) -> impl Iterator<Item = &'a mut T> {
         self.iter_mut()
+    }
+}
+
+impl<'a, T: Sync> Columns for &'a [T] {
+    type Entries = &'a T;
+
+    #[inline(always)]
+    fn parts(self, size: usize) -> impl Iterator<Item = Self> {
+        self.chunks(size)
+    }
+
+    #[inline(always)]
+    fn entries(self) -> impl Iterator<Item = &'a T> {
+        self.iter()
     }
 }
 
@@ -71,7 +85,7 @@ impl ChunkedPass<'_> {
         each: impl Fn(&A, C::Entries, &mut T) + Sync,
     ) -> Vec<T> {
         let instructions = *self.instructions;
-        let chunk = |(read, written): (&[A], C)| {
+        self.by_chunks(read, written, |read, written| {
             instructions.run_narrow(
                 #[inline(always)]
                 || {
@@ -82,9 +96,19 @@ impl ChunkedPass<'_> {
                     sum
                 },
             )
+        })
+    }
+
+    /// Calls `each` with whole chunks of the read and the written columns. Returns its results, in the order of chunks.
+    pub(crate) fn by_chunks<A: Sync, C: Columns, T: Send>(
+        &self,
+        read: &[A],
+        written: C,
+        each: impl Fn(&[A], C) -> T + Sync,
+    ) -> Vec<T> {
+        let in_chunks = |read: &[A], written: C| -> Vec<T> {
+            read.chunks(CHUNK).zip(written.parts(CHUNK)).map(|(read, written)| each(read, written)).collect()
         };
-        let in_chunks =
-            |read: &[A], written: C| -> Vec<T> { read.chunks(CHUNK).zip(written.parts(CHUNK)).map(chunk).collect() };
         let chunks = read.len().div_ceil(CHUNK);
         let threads = self.threads.count();
         if threads == 1 || chunks < MIN_SHARED_CHUNKS {
@@ -94,6 +118,11 @@ impl ChunkedPass<'_> {
         let shares = read.chunks(share).zip(written.parts(share));
         let shares = shares.map(|(read, written)| || in_chunks(read, written));
         self.threads.share(shares).into_iter().flatten().collect()
+    }
+
+    /// The instruction set.
+    pub(crate) fn instructions(&self) -> InstructionSet {
+        *self.instructions
     }
 }
 

@@ -4,7 +4,7 @@
 //! instruction each. When the batch is full, they are transposed into the lanes, four lanes at a time.
 
 use crate::contact::geometry::ContactLine;
-use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
+use crate::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::contact::needs::BodyNumbers;
 use crate::instruction_set::InstructionSet;
 use crate::periodic::Metric;

@@ -2,7 +2,7 @@
 
 use crate::contact::force_accumulation::{dashpot, total};
 use crate::contact::history::losses::ContactLosses;
-use crate::contact::lanes::{Lanes, Scalars};
+use crate::lanes::{Lanes, Scalars};
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::PairForce;

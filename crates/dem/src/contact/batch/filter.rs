@@ -9,7 +9,7 @@
 
 use crate::contact::batch::Batch;
 use crate::contact::batch::bodies::Approach;
-use crate::contact::lanes::LANES;
+use crate::lanes::LANES;
 use crate::contact::needs::{BodyNumbers, Needs};
 use crate::instruction_set::InstructionSet;
 use crate::neighbours::list::Candidate;

@@ -1,6 +1,6 @@
 //! The velocities in the middle of the step, with which springs advance, of the contacts of a batch.
 
-use crate::contact::lanes::Lanes;
+use crate::lanes::Lanes;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Gathered;
 use crate::space::{Linear, Space};

@@ -1,6 +1,6 @@
 //! The memories of the contacts of a batch, loaded from the history blocks.
 
-use crate::contact::lanes::Scalars;
+use crate::lanes::Scalars;
 use crate::contact::law::{LawRequirements, memory_layout};
 use crate::contact::memory::{MOST_NUMBERS, Memory, MemoryLayout};
 use crate::space::Space;

@@ -1,6 +1,6 @@
 //! Spins of the particles of the contacts of a batch.
 
-use crate::contact::lanes::{Lanes, Quads, Scalars, spread};
+use crate::lanes::{Lanes, Quads, Scalars, spread};
 use crate::space::quad;
 use crate::space::{Linear, Space};
 use crate::store::Rotation;

@@ -7,7 +7,7 @@
 use crate::contact::force_pass::input::ForcePass;
 use crate::contact::force_pass::worker::{Block, Worker, recall};
 use crate::contact::geometry::{WallContacts, WallReach, touching_wall};
-use crate::contact::lanes::LANES;
+use crate::lanes::LANES;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
 use crate::neighbours::list::Candidate;

@@ -9,7 +9,7 @@ use crate::contact::force_pass::thread_scratch::HaloImport;
 use crate::contact::geometry::coincident;
 use crate::contact::history::losses::{ContactLosses, EndLosses};
 use crate::contact::history::{HistoryBlock, HistoryCursor};
-use crate::contact::lanes::LANES;
+use crate::lanes::LANES;
 use crate::contact::law::LawRequirements;
 use crate::contact::memory::{Memory, MemoryLayout};
 use crate::contact::pair::MemoryTimes;

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::losses::ContactLosses;
-use crate::contact::lanes::LANES;
+use crate::lanes::LANES;
 use crate::contact::memory::{MOST_NUMBERS, Memory, MemoryLayout};
 use crate::neighbours::list::Candidate;
 

@@ -6,6 +6,17 @@ use crate::space::{Linear, Plane, Solid};
 
 impl Rotor<Plane> for Plane {
     const IDENTITY: Self = Self::X;
+    const NUMBERS: usize = 2;
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        [self.x, self.y, 0.0, 0.0]
+    }
+
+    #[inline(always)]
+    fn of_numbers([x, y, ..]: [f64; 4]) -> Self {
+        Self::new(x, y)
+    }
 
     #[inline(always)]
     fn turn(self, vector: Plane) -> Plane {

@@ -31,9 +31,15 @@ fn quaternion(rotation: Solid) -> Quaternion {
 }
 
 /// The principal axes in the order of their roles in the splitting: the axis whose moment all share, the one with the most similar moment, the third.
-/// They are x, y and z moved round, so that quaternions keep their products.
+/// They are x, y and z moved round, so that quaternions keep their products. Two flags select each number, because the compiler makes vector
+/// instructions of selections, and not of indices or of an enum.
 #[derive(Clone, Copy)]
-struct Roles([usize; 3]);
+struct Roles {
+    /// The order is y, z, x.
+    from_y: bool,
+    /// The order is z, x, y.
+    from_z: bool,
+}
 
 impl Roles {
     #[inline(always)]
@@ -41,30 +47,27 @@ impl Roles {
         let xy = (a.x - a.y).abs();
         let yz = (a.y - a.z).abs();
         let zx = (a.z - a.x).abs();
-        if xy <= yz && xy <= zx {
-            Self([0, 1, 2])
-        } else if yz <= zx {
-            Self([1, 2, 0])
-        } else {
-            Self([2, 0, 1])
-        }
+        let from_x = xy <= yz && xy <= zx;
+        Self { from_y: !from_x && yz <= zx, from_z: !from_x && yz > zx }
+    }
+
+    /// Returns the number of the present order.
+    #[inline(always)]
+    fn choose(self, [from_x, from_y, from_z]: [f64; 3]) -> f64 {
+        let number = if self.from_y { from_y } else { from_x };
+        if self.from_z { from_z } else { number }
     }
 
     /// Returns the components in the order of the roles.
     #[inline(always)]
-    fn sorted(self, vector: Solid) -> Solid {
-        let components = vector.to_array();
-        Solid::from_array(self.0.map(|axis| components[axis]))
+    fn sorted(self, Solid { x, y, z }: Solid) -> Solid {
+        Solid::new(self.choose([x, y, z]), self.choose([y, z, x]), self.choose([z, x, y]))
     }
 
     /// Returns the components in the order x, y, z.
     #[inline(always)]
-    fn unsorted(self, sorted: Solid) -> Solid {
-        let mut components = [0.0; 3];
-        for (axis, component) in self.0.into_iter().zip(sorted.to_array()) {
-            components[axis] = component;
-        }
-        Solid::from_array(components)
+    fn unsorted(self, Solid { x, y, z }: Solid) -> Solid {
+        Solid::new(self.choose([x, z, y]), self.choose([y, x, z]), self.choose([z, y, x]))
     }
 }
 
@@ -127,6 +130,17 @@ impl Turning {
 
 impl Rotor<Solid> for Quaternion {
     const IDENTITY: Self = Self::IDENTITY;
+    const NUMBERS: usize = 4;
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        self.to_array()
+    }
+
+    #[inline(always)]
+    fn of_numbers(numbers: [f64; 4]) -> Self {
+        Self::from_array(numbers)
+    }
 
     #[inline(always)]
     fn turn(self, vector: Solid) -> Solid {
@@ -163,14 +177,9 @@ impl Rotor<Solid> for Quaternion {
         let axis = roles.sorted(Solid::new(self.x, self.y, self.z));
         let mut turning = Turning { axis, number: self.w, own: roles.sorted(own) };
         let half = 0.5 * dt * (a.y - a.x);
-        let differs = half.abs() > 0.0;
-        if differs {
-            turning.about_second(half * turning.own.y);
-        }
+        turning.about_second(half * turning.own.y);
         turning.about_third(dt * (a.z - a.x) * turning.own.z);
-        if differs {
-            turning.about_second(half * turning.own.y);
-        }
+        turning.about_second(half * turning.own.y);
         // About L, which has the same components before and after.
         turning.about(turning.own * (a.x * dt));
         let Turning { axis, number, own } = turning;

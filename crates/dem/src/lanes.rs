@@ -1,10 +1,10 @@
-//! Lanes: numbers of many contacts side by side, so that one vector instruction processes several contacts.
+//! Lanes: numbers of many contacts, or of many bodies, side by side, so that one vector instruction processes several of them.
 
 use std::ops::{Deref, DerefMut};
 
-use crate::space::Linear;
+use crate::space::{Linear, Rotor, Space, quad};
 
-/// Contacts in a batch: a multiple of every vector width. The largest batch fits into an L1 cache of 32 kB: friction
+/// Contacts in a batch, or bodies: a multiple of every vector width. The largest batch fits into an L1 cache of 32 kB: friction
 /// with memory in solid space takes 25 kB, and 30 kB with velocity prediction.
 pub const LANES: usize = 48;
 
@@ -111,6 +111,39 @@ impl<T: Linear> Lanes<T> {
     pub fn set(&mut self, lane: usize, value: T) {
         for axis in 0..T::COUNT {
             self.components[axis][lane] = value.component(axis);
+        }
+    }
+}
+
+/// One orientation per lane, stored number by number.
+#[derive(Clone, Debug)]
+pub struct RotorLanes<V: Space> {
+    numbers: [Scalars; 4],
+    kind: std::marker::PhantomData<V::Rotor>,
+}
+
+impl<V: Space> Default for RotorLanes<V> {
+    fn default() -> Self {
+        Self { numbers: Default::default(), kind: std::marker::PhantomData }
+    }
+}
+
+impl<V: Space> RotorLanes<V> {
+    /// Returns the orientation of a lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, lane: usize) -> V::Rotor {
+        V::Rotor::of_numbers(quad(
+            #[inline(always)]
+            |number| self.numbers[number][lane],
+        ))
+    }
+
+    /// Sets the orientation of a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, rotor: V::Rotor) {
+        for (lanes, number) in self.numbers.iter_mut().zip(rotor.numbers()).take(V::Rotor::NUMBERS) {
+            lanes[lane] = number;
         }
     }
 }
