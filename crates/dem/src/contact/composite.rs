@@ -5,7 +5,6 @@
 
 use crate::contact::centred::normal_load::{LoadEvent, NormalLoad, Unloading};
 use crate::contact::centred::window::Window;
-use crate::lanes::larger;
 use crate::contact::law::{Bounce, LawRequirements, PairLaw};
 use crate::contact::memory::{Memory, MemoryVariable};
 use crate::contact::pair::{Pair, VelocityPrediction};
@@ -13,6 +12,7 @@ use crate::contact::pair_force::PairForce;
 use crate::contact::rolling::Rolling;
 use crate::contact::spring_memory::{ROLLING, SPRING, STIFFNESS, SpringMemory, TWIST};
 use crate::contact::tangential::Tangential;
+use crate::lanes::larger;
 use crate::space::Space;
 
 /// A force along the normal: (max(spring - c v_n, floor) - pull) n.

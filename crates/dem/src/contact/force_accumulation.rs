@@ -5,10 +5,10 @@
 use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
-use crate::lanes::LANES;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::{PairForce, Resistance};
+use crate::lanes::LANES;
 use crate::space::{Linear, Space};
 use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 

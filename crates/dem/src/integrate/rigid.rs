@@ -71,7 +71,7 @@ fn kick_all<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, stor
         &loads.torque.entries::<NUMBERS>()[..free],
         ((&mut momentum[..free], &mut rotor[..free]), (&mut inverse_inertia[..free], &mut rotation[..free])),
         #[inline(always)]
-        |torque, ((momentum, rotor), (inverse_inertia, rotation)), sum: &mut V::Spin| {
+        move |torque, ((momentum, rotor), (inverse_inertia, rotation)), sum: &mut V::Spin| {
             *momentum += torque[0] * (0.5 * dt);
             rotation.spin = rotor.spin(*momentum, *inverse_inertia);
             *sum += kick_term(torque, rotation.spin);

@@ -105,7 +105,7 @@ fn kick_by<
         &loads.torque.entries::<NUMBERS>()[rows.clone()],
         (&mut rotation[rows.clone()], &mut apart[rows]),
         #[inline(always)]
-        |torque, (rotation, apart), sum: &mut V::Spin| {
+        move |torque, (rotation, apart), sum: &mut V::Spin| {
             let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
             if SECOND {
                 rotation.spin = recorded.middle(rotation, apart) + gain;

@@ -46,26 +46,27 @@ fn scatter_by<V: Space, W: Swept>(
     prediction.middle.resize(count, V::MiddleBesideBody::default());
     prediction.middle_spin.resize(count, V::Spin::ZERO);
     let periodic = *periodic;
-    let BodyColumns { shapes, shape, scale, rotor, arm, spheres, first_sphere, .. } = bodies;
+    let BodyColumns { rotor, arm, in_body, spheres, first_sphere, .. } = bodies;
+    let rotor = &rotor[..];
     let first = *first_sphere;
     let spheres = &spheres[..end - first];
-    let (carrier, body) = body.split_at_mut(first);
-    let (carrier_rotation, rotation) = rotation.split_at_mut(first);
-    let (carrier_middle, middle) = prediction.middle.split_at_mut(first);
-    let (carrier_spin, middle_spin) = prediction.middle_spin.split_at_mut(first);
+    let (carrier, body) = split(body, first);
+    let (carrier_rotation, rotation) = split(rotation, first);
+    let (carrier_middle, middle) = split(&mut prediction.middle, first);
+    let (carrier_spin, middle_spin) = split(&mut prediction.middle_spin, first);
     let size = end - first;
-    let places = (&mut arm[..size], &mut body[..size]);
+    let places = ((&in_body[..size], &mut arm[..size]), &mut body[..size]);
     let middles = (&mut middle[..size], &mut middle_spin[..size]);
     let per_time = 1.0 / dt;
     let longest = chunked.in_chunks(
         spheres,
         (places, ((&mut rotation[..size], &mut swept[first..end]), middles)),
         #[inline(always)]
-        |of, ((arm, sphere), ((rotation, swept), (middle, middle_spin))), longest: &mut LongestMove| {
+        move |of, (((in_body, arm), sphere), ((rotation, swept), (middle, middle_spin))), longest: &mut LongestMove| {
             let b = of.body.index();
             let centre = &carrier[b];
             let spin = carrier_rotation[b].spin;
-            let turned = rotor[b].turn(shapes[shape[b].index()].spheres[usize::from(of.number)].at * scale[b]);
+            let turned = rotor[b].turn(*in_body);
             let before = std::mem::replace(arm, turned);
             let velocity = if predicts { V::middle(&centre.middle, &carrier_middle[b]) } else { centre.velocity };
             let moved = velocity * dt + (turned - before);
@@ -88,4 +89,10 @@ fn scatter_by<V: Space, W: Swept>(
         },
     );
     longest.into_iter().fold(LongestMove::default(), LongestMove::or).length()
+}
+
+/// Returns the entries before `first`, to be read, and those from it on.
+fn split<T>(column: &mut [T], first: usize) -> (&[T], &mut [T]) {
+    let (before, from) = column.split_at_mut(first);
+    (before, from)
 }

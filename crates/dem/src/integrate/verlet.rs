@@ -124,7 +124,7 @@ fn drift_with<V: Space, H: RecordedVelocity<Body<V>, V>, W: Swept, const NUMBERS
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
-    wrap: impl Fn(&mut V) + Sync,
+    wrap: impl Fn(&mut V) + Copy + Sync,
 ) -> f64 {
     let range = store.prediction.range;
     let end = store.integrated_rows().end;
@@ -134,7 +134,7 @@ fn drift_with<V: Space, H: RecordedVelocity<Body<V>, V>, W: Swept, const NUMBERS
         &loads.force.entries::<NUMBERS>()[..end],
         ((&mut body[..end], &mut apart[..end]), &mut swept[..end]),
         #[inline(always)]
-        |force, ((body, apart), swept), (longest, sum): &mut (LongestMove, V)| {
+        move |force, ((body, apart), swept), (longest, sum): &mut (LongestMove, V)| {
             let gain = half_kick(force[0], dt, body.inverse_mass);
             let mut velocity = if PENDING { recorded.middle(body, apart) } else { body.velocity } + gain;
             if PENDING {
@@ -200,7 +200,7 @@ fn kick_by<V: Space, H: RecordedVelocity<Body<V>, V>, const NUMBERS: usize>(
         &loads.force.entries::<NUMBERS>()[..end],
         (&mut body[..end], &mut apart[..end]),
         #[inline(always)]
-        |force, (body, apart), sum: &mut V| {
+        move |force, (body, apart), sum: &mut V| {
             let velocity = recorded.middle(body, apart) + half_kick(force[0], dt, body.inverse_mass);
             *sum += kick_term(force, velocity);
             body.velocity = velocity;

@@ -113,7 +113,9 @@ pub struct BodyColumns<V: Space = Plane> {
     pub(super) contact_end: usize,
     /// The sphere that each row from `first_sphere` on is; of no body if the row is a fixed sphere by itself.
     pub(crate) spheres: Vec<SphereOfBody>,
-    /// The place of each of these spheres from the centre of its body, m.
+    /// The place of each of these spheres from the centre of its body, m, in the body's axes.
+    pub(crate) in_body: Vec<V>,
+    /// The same in the axes of space.
     pub(crate) arm: Vec<V>,
 }
 
@@ -133,6 +135,7 @@ impl<V: Space> Default for BodyColumns<V> {
             first_sphere: 0,
             contact_end: 0,
             spheres: Vec::new(),
+            in_body: Vec::new(),
             arm: Vec::new(),
         }
     }
@@ -187,6 +190,14 @@ impl<V: Space> BodyColumns<V> {
         &self.shapes[self.shape[body.index()].index()]
     }
 
+    /// Sets the places of the spheres of a body in its axes, by its shape and scale.
+    pub(super) fn renew_places(&mut self, body: BodySlot) {
+        for number in 0..self.rows_of(body).len() {
+            let place = self.rows_of(body)[number] as usize - self.first_sphere;
+            self.in_body[place] = self.shape_of(body).spheres[number].at * self.scale[body.index()];
+        }
+    }
+
     /// All bodies.
     pub fn all(&self) -> impl Iterator<Item = BodySlot> + use<V> {
         (0..self.len()).map(BodySlot::of)
@@ -233,6 +244,7 @@ impl<V: Space> BodyColumns<V> {
                 self.rows[place] = u32::try_from(row).unwrap_or(u32::MAX);
             }
         }
+        self.in_body = vec![V::ZERO; self.spheres.len()];
         self.arm = vec![V::ZERO; self.spheres.len()];
     }
 }

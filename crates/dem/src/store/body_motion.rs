@@ -35,6 +35,7 @@ impl<V: Space> ParticleStore<V> {
                     rotation.inverse_inertia = if self.body[row].inverse_mass > 0.0 { mean } else { 0.0 };
                 }
             }
+            self.bodies.renew_places(body);
             self.place_spheres(body, &mut LongestMove::default());
         }
     }
@@ -42,11 +43,11 @@ impl<V: Space> ParticleStore<V> {
     /// Sets the places of all spheres from the centres of their bodies.
     pub(super) fn renew_arms(&mut self) {
         for body in self.bodies.all() {
+            self.bodies.renew_places(body);
             let rotor = self.bodies.rotor[body.index()];
             for number in 0..self.bodies.rows_of(body).len() {
-                let sphere = self.bodies.rows_of(body)[number] as usize;
-                let arm = rotor.turn(self.bodies.shape_of(body).spheres[number].at * self.bodies.scale[body.index()]);
-                self.bodies.arm[sphere - self.bodies.first_sphere] = arm;
+                let place = self.bodies.rows_of(body)[number] as usize - self.bodies.first_sphere;
+                self.bodies.arm[place] = rotor.turn(self.bodies.in_body[place]);
             }
         }
     }
@@ -62,8 +63,9 @@ impl<V: Space> ParticleStore<V> {
         let rotor = self.bodies.rotor[body.index()];
         for number in 0..self.bodies.rows_of(body).len() {
             let sphere = self.bodies.rows_of(body)[number] as usize;
-            let arm = rotor.turn(self.bodies.shape_of(body).spheres[number].at * self.bodies.scale[body.index()]);
-            self.bodies.arm[sphere - self.bodies.first_sphere] = arm;
+            let place = sphere - self.bodies.first_sphere;
+            let arm = rotor.turn(self.bodies.in_body[place]);
+            self.bodies.arm[place] = arm;
             self.put(sphere, centre + arm, longest);
             if self.is_ahead(sphere) {
                 let middle = middle + arm.turned_by(middle_spin);

@@ -82,13 +82,15 @@ impl ChunkedPass<'_> {
         &self,
         read: &[A],
         written: C,
-        each: impl Fn(&A, C::Entries, &mut T) + Sync,
+        each: impl Fn(&A, C::Entries, &mut T) + Copy + Sync,
     ) -> Vec<T> {
         let instructions = *self.instructions;
         self.by_chunks(read, written, |read, written| {
             instructions.run_narrow(
                 #[inline(always)]
                 || {
+                    // A copy: what lies behind a reference would be read anew after every store.
+                    let each = each;
                     let mut sum = T::default();
                     for (one, entries) in read.iter().zip(written.entries()) {
                         each(one, entries, &mut sum);

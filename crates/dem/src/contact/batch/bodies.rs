@@ -4,9 +4,9 @@
 //! instruction each. When the batch is full, they are transposed into the lanes, four lanes at a time.
 
 use crate::contact::geometry::ContactLine;
-use crate::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::contact::needs::BodyNumbers;
 use crate::instruction_set::InstructionSet;
+use crate::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::periodic::Metric;
 use crate::space::{COINCIDENT, PARTED, Space, quad};
 use crate::store::Body;

@@ -2,10 +2,10 @@
 
 use crate::contact::force_accumulation::{dashpot, total};
 use crate::contact::history::losses::ContactLosses;
-use crate::lanes::{Lanes, Scalars};
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::PairForce;
+use crate::lanes::{Lanes, Scalars};
 use crate::space::{Linear, Space};
 use crate::store::TOTAL_AND_DISSIPATIVE;
 

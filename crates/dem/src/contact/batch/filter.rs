@@ -9,9 +9,9 @@
 
 use crate::contact::batch::Batch;
 use crate::contact::batch::bodies::Approach;
-use crate::lanes::LANES;
 use crate::contact::needs::{BodyNumbers, Needs};
 use crate::instruction_set::InstructionSet;
+use crate::lanes::LANES;
 use crate::neighbours::list::Candidate;
 use crate::periodic::{Metric, Open};
 use crate::space::Space;

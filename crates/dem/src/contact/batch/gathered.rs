@@ -1,8 +1,8 @@
 //! The velocities in the middle of the step, with which springs advance, of the contacts of a batch.
 
-use crate::lanes::Lanes;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Gathered;
+use crate::lanes::Lanes;
 use crate::space::{Linear, Space};
 
 /// [`Gathered`] in lanes.

@@ -1,8 +1,8 @@
 //! The memories of the contacts of a batch, loaded from the history blocks.
 
-use crate::lanes::Scalars;
 use crate::contact::law::{LawRequirements, memory_layout};
 use crate::contact::memory::{MOST_NUMBERS, Memory, MemoryLayout};
+use crate::lanes::Scalars;
 use crate::space::Space;
 
 /// [`Memory`] in lanes.

@@ -7,9 +7,9 @@
 use crate::contact::force_pass::input::ForcePass;
 use crate::contact::force_pass::worker::{Block, Worker, recall};
 use crate::contact::geometry::{WallContacts, WallReach, touching_wall};
-use crate::lanes::LANES;
 use crate::contact::law::LawRequirements;
 use crate::contact::pair::Pair;
+use crate::lanes::LANES;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::losses::ContactLosses;
-use crate::lanes::LANES;
 use crate::contact::memory::{MOST_NUMBERS, Memory, MemoryLayout};
+use crate::lanes::LANES;
 use crate::neighbours::list::Candidate;
 
 /// Memories of the contacts of consecutive rows. Columns that the law does not remember stay empty.
