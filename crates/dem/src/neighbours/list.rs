@@ -14,6 +14,9 @@ use std::ops::Range;
 
 use self::marks::Marks;
 
+/// How often a division among threads is corrected for the pairs that two threads evaluate.
+const CORRECTIONS: usize = 2;
+
 /// Rows of a block. A force pass processes one block at a time, on any number of threads.
 pub const BLOCK: usize = 256;
 
@@ -138,8 +141,8 @@ impl PairList {
         self.marks.mark(self.version, &mut self.pairs, copies, chosen);
     }
 
-    /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows. Tasks have about equal work: that of a row without pairs
-    /// is taken for that of a pair.
+    /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows. Tasks have about equal work: rows, own pairs and incoming
+    /// pairs. The work of a row without pairs is taken for that of a pair.
     pub(crate) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
         self.version += 1;
         let pairs = &self.pairs;
@@ -153,29 +156,57 @@ impl PairList {
             Block { pairs_end: end, slots_end: end_of(block) }
         }));
         let shares = threads.min(self.blocks.len()).max(1);
-        self.tasks.resize_with(shares, Task::default);
         let work: Vec<_> = (1..).zip(&self.blocks).map(|(number, block)| block.pairs_end + number * size).collect();
-        let mut end = 0;
-        for number in 0..shares {
-            let begin = end;
-            let border = nearest(&work, (number + 1) * work.last().copied().unwrap_or(0) / shares);
-            // Each task has at least one block, and leaves one to each that follows.
-            let most = work.len() - (shares - number - 1);
-            end = border.clamp((begin + 1).min(most), most);
-            let task = &mut self.tasks[number];
-            task.rows = begin * size..(end * size).min(rows);
-            task.incoming.clear();
+        // The division decides which pairs are incoming, so it is corrected by the numbers that it gave.
+        let mut incoming = vec![0; shares];
+        let mut ends = divide(&work, &incoming, size);
+        for _ in 0..if shares > 1 { CORRECTIONS } else { 0 } {
+            incoming.fill(0);
+            for_each_incoming(&self.pairs, &ends, |task, _| incoming[task] += 1);
+            ends = divide(&work, &incoming, size);
         }
-        let mut own = 0;
-        for &pair in if shares > 1 { &self.pairs[..] } else { &[] } {
-            let [i, j] = pair.both();
-            while i >= self.tasks[own].rows.end {
-                own += 1;
-            }
-            if j >= self.tasks[own].rows.end {
-                let other = self.tasks.partition_point(|task| task.rows.end <= j);
-                self.tasks[other].incoming.push(pair);
-            }
+        self.tasks.resize_with(shares, Task::default);
+        let mut begin = 0;
+        for (task, &end) in self.tasks.iter_mut().zip(&ends) {
+            task.rows = begin..end.min(rows);
+            task.incoming.clear();
+            begin = end;
+        }
+        for_each_incoming(&self.pairs, &ends, |task, pair| self.tasks[task].incoming.push(pair));
+    }
+}
+
+/// Divides blocks of `size` rows among tasks by the ascending sums `work` of their rows and pairs, and by the number of incoming pairs of each task.
+/// Returns the ends of the tasks in rows.
+fn divide(work: &[usize], incoming: &[usize], size: usize) -> Vec<usize> {
+    let shares = incoming.len();
+    let all = work.last().copied().unwrap_or(0) + incoming.iter().sum::<usize>();
+    let mut end = 0;
+    let mut before = 0;
+    let ends = (1..).zip(incoming).map(|(number, incoming)| {
+        before += incoming;
+        let border = nearest(work, (number * all / shares).saturating_sub(before));
+        // Each task has at least one block, and leaves one to each that follows.
+        let most = work.len() - (shares - number);
+        end = border.clamp((end + 1).min(most), most);
+        end * size
+    });
+    ends.collect()
+}
+
+/// Calls `each` for all pairs whose second member is in a later task than the first, with the number of the later task.
+fn for_each_incoming(pairs: &[Candidate], ends: &[usize], mut each: impl FnMut(usize, Candidate)) {
+    if ends.len() == 1 {
+        return;
+    }
+    let mut own = 0;
+    for &pair in pairs {
+        let [i, j] = pair.both();
+        while i >= ends[own] {
+            own += 1;
+        }
+        if j >= ends[own] {
+            each(ends.partition_point(|&end| end <= j), pair);
         }
     }
 }
@@ -250,9 +281,28 @@ mod tests {
             list.tasks().iter().map(|task| task.rows.clone()).collect::<Vec<_>>()
         };
         assert_eq!(rows(&[], 3), [0..4, 4..8, 8..12]);
-        assert_eq!(rows(&[(0, 16), (7, 4)], 2), [0..2, 2..12]);
+        // The second thread evaluates the pairs of row 0 too.
+        assert_eq!(rows(&[(0, 16), (7, 4)], 2), [0..6, 6..12]);
         assert_eq!(rows(&[(0, 16), (7, 16)], 2), [0..6, 6..12]);
         assert_eq!(rows(&[(10, 40)], 3), [0..8, 8..10, 10..12]);
-        assert_eq!(rows(&[(0, 40)], 3), [0..2, 2..4, 4..12]);
+        assert_eq!(rows(&[(0, 40)], 3), [0..2, 2..10, 10..12]);
+    }
+
+    #[test]
+    fn pairs_that_two_threads_evaluate_count_twice() {
+        // A strip: each row has pairs with the next 20. Blocks of 4 rows.
+        let rows = 400;
+        let row = |i: u32| (i + 1..=i + 20).filter(|&j| j < rows).map(move |j| Candidate::new(i, j));
+        for threads in [2, 3, 5, 8] {
+            let mut list = PairList::default();
+            list.fill((0..rows).flat_map(row), 400);
+            list.assign_tasks(400, threads, 4);
+            let own = |task: &Task| list.pairs().iter().filter(|pair| task.rows.contains(&pair.first())).count();
+            let work: Vec<_> =
+                list.tasks().iter().map(|task| task.rows.len() + own(task) + task.incoming.len()).collect();
+            // A border may be off by half a block.
+            let [least, most] = [work.iter().min().unwrap(), work.iter().max().unwrap()];
+            assert!(most - least <= 2 * 4 * 21, "{threads}: {work:?}");
+        }
     }
 }
