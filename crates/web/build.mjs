@@ -19,6 +19,7 @@ const PLAYER = join(here, "../../crates/results/src/report/player");
 const PLAYER_SCRIPTS = ["decode", "colours", "camera", "shaders", "walls", "occlusion", "renderer", "flat_renderer", "view", "form", "moments", "pointer"];
 const PAGE_SCRIPTS = ["engine", "editor", "link", "downloads", "curves", "live", "state", "scene", "parameters", "run", "look", "main"];
 
+const brotli = (bytes) => brotliCompressSync(bytes, { params: { [constants.BROTLI_PARAM_LGWIN]: 24, [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length } });
 const read = (...path) => readFileSync(join(...path), "utf8");
 /** Most bytes of the page, as a server sends it. */
 const LIMITS = { gzip: 4e6, brotli: 3e6 };
@@ -28,7 +29,7 @@ const scripts = [...PLAYER_SCRIPTS.map((name) => read(PLAYER, "script", `${name}
 const script = transformSync(`(() => {\n"use strict";\n${scripts.join("\n")}\n})();`, { minifyWhitespace: true, legalComments: "none" }).code;
 const style = transformSync(`${read(PLAYER, "player.css")}\n${read(here, "page/page.css")}`, { loader: "css", minifyWhitespace: true }).code;
 const wasm = readFileSync(PROGRAM);
-const parts = { STYLE: style, SCRIPT: script, WORKER: worker.outputFiles[0].text, PROGRAM: gzipSync(wasm, { level: 9 }).toString("base64") };
+const parts = { STYLE: style, SCRIPT: script, WORKER: worker.outputFiles[0].text, PROGRAM: brotli(wasm).toString("base64") };
 for (const [name, text] of Object.entries(parts)) {
   if (/<\/(script|style)/i.test(text)) throw new Error(`${name} would end its element`);
 }
@@ -36,7 +37,6 @@ const page = read(here, "page/page.html").replace(/@([A-Z]+)@/g, (_, name) => pa
 mkdirSync(dirname(PAGE), { recursive: true });
 writeFileSync(PAGE, page);
 
-const brotli = (bytes) => brotliCompressSync(bytes, { params: { [constants.BROTLI_PARAM_LGWIN]: 24, [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length } });
 const sizesOf = (bytes) => ({ plain: bytes.length, gzip: gzipSync(bytes, { level: 9 }).length, brotli: brotli(bytes).length });
 const sizes = sizesOf(Buffer.from(page));
 for (const [name, found] of [["the program", sizesOf(wasm)], [PAGE, sizes]]) {

@@ -1,12 +1,16 @@
 // The program in a worker. A worker that has failed, or does not answer, is replaced by a new one.
 
-/** Unpacks the embedded program: gzip in base64. */
+/** Unpacks and compiles the embedded program, Brotli in base64, in a worker of its own. */
 async function unpackProgram() {
   const letters = atob(document.getElementById("program").textContent.trim());
-  const bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+  const packed = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+  const unpacking = new Engine();
+  unpacking.open();
+  try {
+    return await unpacking.post("compile", { packed });
+  } finally {
+    unpacking.stop();
+  }
 }
 
 class Engine {
@@ -18,11 +22,15 @@ class Engine {
     this.count = 0;
   }
 
-  start() {
+  open() {
     const address = URL.createObjectURL(new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }));
     this.worker = new Worker(address);
     this.worker.onmessage = ({ data }) => this.receive(data);
     this.worker.onerror = (event) => this.receive({ crash: event.message || "the worker could not be started" });
+  }
+
+  start() {
+    this.open();
     this.loaded = this.module.then((module) => this.post("load", { module }));
     this.loaded.catch(() => {});
   }

@@ -1,6 +1,7 @@
 // The worker: the program with its file system in memory. It answers the page, and steps a run in slices, so that a message such as "pause"
 // arrives between two of them.
 
+import { decompress } from "brotli/decompress";
 import { Directory, File, OpenFile, PreopenDirectory, WASI, ConsoleStdout } from "@bjorn3/browser_wasi_shim";
 
 /** Milliseconds of a slice of steps. */
@@ -116,6 +117,7 @@ function next(wish, delay) {
 
 let wishes = 0;
 const commands = {
+  compile: ({ packed }) => WebAssembly.compile(decompress(packed)),
   load: ({ module }) => load(module),
   shipped: () => asJson("shipped"),
   copy: ({ name }) => {
