@@ -156,11 +156,16 @@ fn watch_paths<V: Space>(
             GrainState::Out | GrainState::Lost | GrainState::NotAGrain => continue,
         }
         let way = particles.separation(here, *checked_position);
-        lowest = lowest.min(here.height());
+        // Comparisons, because WebAssembly calls a function for `min` and `max`.
+        if here.height() < lowest {
+            lowest = here.height();
+        }
         let squared = way.length_squared();
         // Half of the distance limit is enough for a check now, so that the next pass is not due at once.
         if !walls_move && squared < 0.25 * limit_squared && here.height() >= cull_height {
-            longest = longest.max(squared);
+            if squared > longest {
+                longest = squared;
+            }
             continue;
         }
         *checked_position = here;

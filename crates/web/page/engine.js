@@ -1,13 +1,13 @@
 // The program in a worker. A worker that has failed, or does not answer, is replaced by a new one.
 
-/** Unpacks and compiles the embedded program, Brotli in base64, in a worker of its own. */
+/** Unpacks the embedded program, Brotli in base64, in a worker of its own, and compiles it. */
 async function unpackProgram() {
   const letters = atob(document.getElementById("program").textContent.trim());
   const packed = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
   const unpacking = new Engine();
   unpacking.open();
   try {
-    return await unpacking.post("compile", { packed });
+    return await WebAssembly.compile(await unpacking.post("unpack", { packed }));
   } finally {
     unpacking.stop();
   }

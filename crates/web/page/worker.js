@@ -117,7 +117,7 @@ function next(wish, delay) {
 
 let wishes = 0;
 const commands = {
-  compile: ({ packed }) => WebAssembly.compile(decompress(packed)),
+  unpack: ({ packed }) => decompress(packed),
   load: ({ module }) => load(module),
   shipped: () => asJson("shipped"),
   copy: ({ name }) => {
