@@ -69,7 +69,7 @@ fn kick_all<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, stor
     let ParticleStore { bodies: BodyColumns { momentum, rotor, inverse_inertia, .. }, loads, rotation, .. } = store;
     let sums = chunked.in_chunks(
         &loads.torque.entries::<NUMBERS>()[..free],
-        ((&mut momentum[..free], &mut rotor[..free]), (&mut inverse_inertia[..free], &mut rotation[..free])),
+        ((&mut momentum[..free], &rotor[..free]), (&inverse_inertia[..free], &mut rotation[..free])),
         #[inline(always)]
         move |torque, ((momentum, rotor), (inverse_inertia, rotation)), sum: &mut V::Spin| {
             *momentum += torque[0] * (0.5 * dt);

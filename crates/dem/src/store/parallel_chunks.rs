@@ -78,6 +78,7 @@ impl<A: Columns, B: Columns> Columns for (A, B) {
 impl ChunkedPass<'_> {
     /// Calls `each` with the entries of the read and the written columns and the partial sum of the chunk. Returns the partial
     /// sums, in the order of chunks. A column that is not needed may hold `()`, which takes no memory.
+    #[expect(clippy::redundant_locals, reason = "the inner closure copies what it captures")]
     pub(crate) fn in_chunks<A: Sync, C: Columns, T: Default + Send>(
         &self,
         read: &[A],
