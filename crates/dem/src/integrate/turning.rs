@@ -141,3 +141,104 @@ impl<V: Space, const NUMBERS: usize> TurningLanes<V, NUMBERS> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instruction_set::InstructionSet;
+    use crate::space::{Plane, Solid};
+    use crate::store::TOTAL_AND_DISSIPATIVE;
+
+    /// Columns of bodies.
+    #[derive(Clone, Debug)]
+    struct Bodies<V: Space> {
+        torque: Vec<[V::Spin; TOTAL_AND_DISSIPATIVE]>,
+        inverse_inertia: Vec<V::Principal>,
+        momentum: Vec<V::Spin>,
+        rotor: Vec<V::Rotor>,
+        rotation: Vec<Rotation<V>>,
+        middle_spin: Vec<V::Spin>,
+    }
+
+    impl<V: Space> Bodies<V> {
+        /// So many bodies of different numbers. Two moments of every second body are equal.
+        fn new(count: usize) -> Self {
+            // Multiples of the golden ratio, modulo 1, less a half.
+            let mut seed = 0.0_f64;
+            let mut number = || {
+                seed = (seed + 0.618_033_988_749_895).fract();
+                seed - 0.5
+            };
+            let spins = |number: &mut dyn FnMut() -> f64| V::Spin::from_components(|_| number());
+            let inertia = |body: usize, number: &mut dyn FnMut() -> f64| {
+                let [one, other] = [1.0 + number(), 1.0 + number()];
+                let difference = if body.is_multiple_of(2) { 0.0 } else { number() };
+                V::Principal::from_components(|axis| {
+                    if axis == body % 3 {
+                        one
+                    } else {
+                        other + difference * f64::from(u8::from(axis == (body + 1) % 3))
+                    }
+                })
+            };
+            Self {
+                torque: (0..count).map(|_| [spins(&mut number), spins(&mut number)]).collect(),
+                inverse_inertia: (0..count).map(|body| inertia(body, &mut number)).collect(),
+                momentum: (0..count).map(|_| spins(&mut number)).collect(),
+                rotor: (0..count)
+                    .map(|_| V::Rotor::from_uniform([0.5 + number(), 0.5 + number(), 0.5 + number()]))
+                    .collect(),
+                rotation: (0..count).map(|_| Rotation { spin: V::Spin::ZERO, inverse_inertia: 1.0 }).collect(),
+                middle_spin: vec![V::Spin::ZERO; count],
+            }
+        }
+
+        /// Turns the bodies of a range side by side. Returns the sum of the terms of their second kicks.
+        fn turn(&mut self, range: std::ops::Range<usize>, instructions: InstructionSet) -> V::Spin {
+            let mut bodies = TurningBodies {
+                torque: &self.torque[range.clone()],
+                inverse_inertia: &self.inverse_inertia[range.clone()],
+                momentum: &mut self.momentum[range.clone()],
+                rotor: &mut self.rotor[range.clone()],
+                rotation: &mut self.rotation[range.clone()],
+                middle_spin: &mut self.middle_spin[range],
+            };
+            let mut lanes = TurningLanes::default();
+            let turn = Turn { dt: 0.2, prediction: Some(0.7) };
+            instructions.run(
+                #[inline(always)]
+                || lanes.turn_all::<true>(turn, &mut bodies),
+            )
+        }
+    }
+
+    fn check<V: Space>() {
+        let count = 2 * LANES + 5;
+        let mut alone = Bodies::<V>::new(count);
+        let mut sum = V::Spin::ZERO;
+        for body in 0..count {
+            let before = alone.clone();
+            sum += alone.turn(body..body + 1, InstructionSet::Baseline);
+            // Two half kicks, and a rotation that keeps the angular momentum.
+            let gain = before.torque[body][0] * 0.2;
+            assert!((alone.momentum[body] - before.momentum[body] - gain).length() < 1e-15);
+            let spin = alone.rotor[body].spin(alone.momentum[body], alone.inverse_inertia[body]);
+            let ahead = alone.rotor[body].spin(before.torque[body][0] * (0.1 * 0.7), alone.inverse_inertia[body]);
+            assert!((alone.rotation[body].spin - spin - ahead).length() < 1e-14);
+            let start = before.rotor[body].spin(alone.momentum[body], alone.inverse_inertia[body]);
+            assert!((alone.middle_spin[body] - (start + spin) * 0.5).length() < 1e-14);
+            assert!(alone.rotor[body] != before.rotor[body]);
+        }
+        for instructions in InstructionSet::all() {
+            let mut together = Bodies::<V>::new(count);
+            assert_eq!(together.turn(0..count, instructions), sum);
+            assert_eq!(format!("{together:?}"), format!("{alone:?}"), "{}", instructions.name());
+        }
+    }
+
+    #[test]
+    fn bodies_in_lanes_turn_as_each_would_alone() {
+        check::<Plane>();
+        check::<Solid>();
+    }
+}
