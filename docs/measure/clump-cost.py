@@ -11,6 +11,7 @@ steps from an export of the same scene; its time is that of its loop. Takes abou
 """
 
 import argparse
+import csv
 import json
 import pathlib
 import re
@@ -32,7 +33,6 @@ TRIPLE = """"tri": Spheres([(at: (0.0, 0.0, 0.0), radius: 0.5e-3), (at: (0.7e-3,
 FILL = """fill: [(low: (0.0, 0.0, 0.0), high: (%(side)r, %(side)r, 1.0), spacing: %(spacing)r, count: %(count)d, %(size)s,
         jitter: 3.5e-5, velocity: (0.0, 0.0, -0.025), agitation: (0.05, 0.05, 0.025))]"""
 STILL = """fill: [(low: (0.0, 0.0, 0.0), high: (%(side)r, %(side)r, 1.0), spacing: %(spacing)r, count: %(count)d, %(size)s)]"""
-SPEED = 12  # the column of largest speeds in series.csv
 
 
 def main():
@@ -77,7 +77,8 @@ def main():
             grains = FILL if gravity else STILL
             until = arguments.settle if gravity else 1e-5
             run(name, SCENE % {**numbers, "grains": grains % {"side": side, **fill}, "until": until})
-            speed = float((here / name / "series.csv").read_text().splitlines()[-1].split(",")[SPEED])
+            with (here / name / "series.csv").open() as series:
+                speed = float(list(csv.DictReader(series))[-1]["largest_speed_m_per_s"])
             if speed > 0.1:
                 raise SystemExit(f"{name}: a grain moves with {speed} m/s after {until} s; give a longer --settle")
             (here / f"{name}.csv").write_text((here / name / "state.csv").read_text())

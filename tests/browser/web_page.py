@@ -275,6 +275,26 @@ def failing_program(browser, address):
     view.close()
 
 
+# A browser that starts no worker.
+WITHOUT_WORKERS = """window.Worker = class {
+  constructor() { setTimeout(() => this.onerror({ message: "no worker here" })); }
+  postMessage() {}
+  terminate() {}
+};"""
+
+
+def no_worker(browser, address):
+    """A browser that starts no worker ends in a message."""
+    context = browser.new_context()
+    context.add_init_script(WITHOUT_WORKERS)
+    page = context.new_page()
+    page.goto(address)
+    page.wait_for_selector("#crash:visible", timeout=20_000)
+    said = page.locator("#crash").inner_text()
+    check("unpacked" in said and "no worker here" in said, said)
+    context.close()
+
+
 def every_shipped_scene(view):
     """Each shipped scene can be opened; a refused one says why."""
     names = [option for option in view.page.locator("#shipped option").evaluate_all("(all) => all.map((o) => o.value)") if option]
@@ -337,6 +357,7 @@ def main(program, file, directory):
         view.close()
         hostile_links(browser, address, directory)
         failing_program(browser, address)
+        no_worker(browser, address)
         keyboard_alone(browser, address)
         for name, size in SIZES.items():
             for scheme in ("light", "dark"):

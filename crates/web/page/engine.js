@@ -4,7 +4,8 @@
 async function unpackProgram() {
   const letters = atob(document.getElementById("program").textContent.trim());
   const packed = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
-  const unpacking = new Engine();
+  // A worker that cannot be started answers nothing.
+  const unpacking = new Engine(null, ({ crash }) => crashed(`The program could not be unpacked: ${crash}`));
   unpacking.open();
   try {
     return await WebAssembly.compile(await unpacking.post("unpack", { packed }));
