@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::cover::{Cover, SurfacePoint, cover};
 use crate::bodies::crops::Crop;
 use crate::bodies::makers::{Deviation, Link, Profile};
+use crate::bodies::shape::{RigidShape, SIZES};
 use crate::bodies::surfaces;
 use crate::space::{Dimension, Solid, Space as _};
 use crate::values::{FiniteVector, LengthUnit, Positive};
@@ -126,11 +127,33 @@ impl ShapeConfig {
         }
     }
 
+    /// Refuses lengths outside [`SIZES`] and bodies that are too slender for [`MOST_SPHERES`](RigidShape::MOST_SPHERES) in a row.
+    fn check_lengths(&self) -> Result<(), String> {
+        let lengths = match self {
+            Self::Ellipsoid { axes: (x, y, z), .. } | Self::Cuboid { size: (x, y, z), .. } => vec![*x, *y, *z],
+            Self::Ellipse { axes: (x, y), .. } => vec![*x, *y],
+            Self::Capsule { length, diameter, .. } => vec![*length, *diameter],
+            _ => return Ok(()),
+        };
+        let lengths = lengths.into_iter().map(Positive::get);
+        let (shortest, longest) = (lengths.clone().fold(f64::INFINITY, f64::min), lengths.fold(0.0, f64::max));
+        let [least, greatest] = SIZES;
+        if shortest < least || longest > greatest {
+            return Err(format!("lengths of a shape are from {least:e} to {greatest:e} m"));
+        }
+        let ratio = longest / shortest;
+        if ratio > MOST_SLENDER {
+            return Err(format!("the longest side is {ratio:.3e} times the shortest one: at most {MOST_SLENDER}"));
+        }
+        Ok(())
+    }
+
     /// Makes the spheres.
     ///
     /// # Errors
     /// If the entry describes no shape, with the reason.
     pub fn make(&self) -> Result<MadeShape, String> {
+        self.check_lengths()?;
         match *self {
             Self::Spheres(ref spheres) | Self::Discs(ref spheres) => {
                 let spheres = spheres.iter().map(|sphere| (sphere.at.padded(), sphere.radius.get())).collect();
@@ -166,14 +189,20 @@ impl ShapeConfig {
 /// Most spheres that are chosen for a surface. The moments of their union take seconds beyond it.
 const MOST_CHOSEN: u16 = 200;
 
+/// Largest ratio of two lengths of a shape: no longer row of spheres is one piece with as many spheres as a shape may have.
+const MOST_SLENDER: f64 = 1000.0;
+
 /// Chooses spheres for the points of a surface.
 fn covered(points: &[SurfacePoint], count: u16) -> Result<MadeShape, String> {
+    if count == 0 {
+        return Err("the shape needs at least one sphere".to_owned());
+    }
     if count > MOST_CHOSEN {
         return Err(format!("{count} spheres are too many: at most {MOST_CHOSEN} are chosen for a surface"));
     }
     let Cover { balls, deviation } = cover(points, usize::from(count));
     if balls.is_empty() {
-        return Err("the shape needs at least one sphere".to_owned());
+        return Err("no sphere fits inside: the surface bounds no body".to_owned());
     }
     let spheres = balls.iter().map(|ball| (ball.centre, ball.radius)).collect();
     Ok(MadeShape { spheres, deviation: Some(deviation) })
@@ -181,6 +210,10 @@ fn covered(points: &[SurfacePoint], count: u16) -> Result<MadeShape, String> {
 
 /// Makes a chain of spheres along an axis.
 fn chain(profile: &Profile, count: usize, axis: Solid) -> Result<MadeShape, String> {
+    let most = RigidShape::<Solid>::MOST_SPHERES;
+    if count > most {
+        return Err(format!("{count} spheres are too many: a shape has at most {most}"));
+    }
     let links = profile.chain(count).ok_or_else(|| {
         format!("{count} spheres in a row do not reach from end to end: neighbours would not overlap; give more")
     })?;
@@ -209,7 +242,8 @@ fn ellipsoid(axes: Solid, count: usize) -> Result<MadeShape, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{RigidShape, ShapeSphere};
+    use crate::bodies::ShapeSphere;
+    use crate::space::{Linear, Plane, Space};
 
     fn shape(config: &ShapeConfig) -> RigidShape<Solid> {
         let made = config.make().unwrap();
@@ -239,6 +273,46 @@ mod tests {
     fn a_surface_gets_a_number_of_spheres_that_can_be_worked_with() {
         let fault = |spheres| ShapeConfig::Crop { kind: Crop::Maize, spheres: Some(spheres) }.make().unwrap_err();
         assert!(fault(0).contains("at least one sphere") && fault(MOST_CHOSEN + 1).contains("at most 200"));
+        let [length, diameter] = [2.0, 1.0].map(|length| Positive::try_from(length).unwrap());
+        let fault = ShapeConfig::Capsule { length, diameter, spheres: u16::MAX }.make().unwrap_err();
+        assert!(fault.contains("at most 1000"), "{fault}");
+    }
+
+    /// Numbers of all sizes, among them those whose squares vanish or overflow.
+    const NUMBERS: [f64; 6] = [5e-324, 1e-120, 0.99e-3, 1e-3, 1e49, f64::MAX];
+
+    /// Every entry that `lengths` gives is refused, or is a shape with finite numbers above zero.
+    fn check_all<V: Space>(entry: impl Fn([f64; 3]) -> ShapeConfig) {
+        for lengths in NUMBERS.into_iter().flat_map(|x| NUMBERS.map(|y| NUMBERS.map(|z| [x, y, z]))).flatten() {
+            let Ok(made) = entry(lengths).make() else { continue };
+            let spheres = made.spheres.iter().map(|&(at, radius)| ShapeSphere { at: V::narrow(at), radius });
+            let Ok(shape) = RigidShape::<V>::new("", &spheres.collect::<Vec<_>>()) else { continue };
+            let numbers = [shape.size, shape.mobility, shape.equivalent_radius(), shape.gyration.sum_of_components()];
+            let is_positive = |number: f64| number.is_finite() && number.total_cmp(&0.0).is_gt();
+            assert!(numbers.into_iter().all(is_positive), "{lengths:?} {numbers:?}");
+        }
+    }
+
+    #[test]
+    fn lengths_of_any_size_make_a_shape_or_are_refused() {
+        let number = |x: f64| Positive::try_from(x).unwrap();
+        let at = |x: f64, y: f64, z: f64| ron::from_str::<FiniteVector>(&format!("({x:e}, {y:e}, {z:e})")).unwrap();
+        check_all::<Solid>(|[x, y, z]| ShapeConfig::Ellipsoid { axes: (number(x), number(y), number(z)), spheres: 3 });
+        check_all::<Solid>(|[x, y, z]| ShapeConfig::Cuboid { size: (number(x), number(y), number(z)), spheres: 3 });
+        check_all::<Solid>(|[x, y, _]| ShapeConfig::Capsule { length: number(x), diameter: number(y), spheres: 5 });
+        check_all::<Plane>(|[x, y, _]| ShapeConfig::Ellipse { axes: (number(x), number(y)), discs: 3 });
+        check_all::<Solid>(|[x, y, z]| ShapeConfig::Spheres(vec![
+            SphereConfig { at: at(0.0, 0.0, 0.0), radius: number(y) },
+            SphereConfig { at: at(x, 0.0, 0.0), radius: number(z) },
+        ]));
+        check_all::<Plane>(|[x, y, z]| ShapeConfig::Polygon {
+            points: vec![at(0.0, 0.0, 0.0), at(x, 0.0, 0.0), at(y, z, 0.0)],
+            discs: 3,
+        });
+        check_all::<Solid>(|[x, y, z]| {
+            let triangles = surfaces::cuboid(Solid::new(x, y, z)).into();
+            ShapeConfig::Mesh { file: PathBuf::new(), unit: LengthUnit::Metre, spheres: 3, triangles }
+        });
     }
 
     #[test]

@@ -69,6 +69,9 @@ pub struct RigidShape<V: Space = Plane> {
     pub director: Option<V>,
 }
 
+/// The smallest length of a shape and the largest one, m: their fifth powers, of which moments are made, are numbers with all digits.
+pub const SIZES: [f64; 2] = [1e-50, 1e50];
+
 /// Why spheres form no shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShapeFault {
@@ -78,6 +81,8 @@ pub enum ShapeFault {
     TooMany,
     /// A number of this sphere is not finite, or its radius is not positive.
     NotASphere(usize),
+    /// This sphere is not within [`SIZES`].
+    OutOfRange(usize),
     /// The first sphere lies inside the second.
     Inside(usize, usize),
     /// This sphere is not connected with the first one: no chain of overlapping spheres joins them.
@@ -91,6 +96,10 @@ impl fmt::Display for ShapeFault {
             Self::TooMany => write!(f, "the shape has more than {} spheres", RigidShape::<Plane>::MOST_SPHERES),
             Self::NotASphere(i) => {
                 write!(f, "sphere {} of the shape needs a finite centre and a finite radius above zero", i + 1)
+            }
+            Self::OutOfRange(i) => {
+                let [least, greatest] = SIZES;
+                write!(f, "sphere {} of the shape has a radius below {least:e} m, or reaches beyond {greatest:e} m", i + 1)
             }
             Self::Inside(i, j) => write!(f, "sphere {} of the shape lies inside sphere {}", i + 1, j + 1),
             Self::Apart(i) => {
@@ -184,6 +193,12 @@ fn fault<V: Space>(spheres: &[ShapeSphere<V>]) -> Option<ShapeFault> {
     let is_sphere = |sphere: &ShapeSphere<V>| sphere.at.is_finite() && sphere.radius.is_finite() && sphere.radius > 0.0;
     if let Some(i) = spheres.iter().position(|sphere| !is_sphere(sphere)) {
         return Some(ShapeFault::NotASphere(i));
+    }
+    let [least, greatest] = SIZES;
+    let is_in_range =
+        |sphere: &ShapeSphere<V>| sphere.radius >= least && sphere.at.length() + sphere.radius <= greatest;
+    if let Some(i) = spheres.iter().position(|sphere| !is_in_range(sphere)) {
+        return Some(ShapeFault::OutOfRange(i));
     }
     for (i, one) in spheres.iter().enumerate() {
         let holds = |other: &ShapeSphere<V>| one.at.distance(other.at) + one.radius <= other.radius * (1.0 + 1e-12);
@@ -374,6 +389,8 @@ mod tests {
         let faults = [
             (vec![disc(0.0, 0.0, 1.0), disc(0.0, f64::NAN, 1.0)], ShapeFault::NotASphere(1)),
             (vec![disc(0.0, 0.0, -1.0)], ShapeFault::NotASphere(0)),
+            (vec![disc(0.0, 0.0, 1e-60)], ShapeFault::OutOfRange(0)),
+            (vec![disc(0.0, 0.0, 1.0), disc(1e60, 0.0, 1.0)], ShapeFault::OutOfRange(1)),
             (vec![disc(0.0, 0.0, 1.0), disc(0.1, 0.0, 0.5)], ShapeFault::Inside(1, 0)),
             (vec![disc(0.0, 0.0, 1.0), disc(1.0, 0.0, 1.0), disc(3.5, 0.0, 1.0)], ShapeFault::Apart(2)),
             (vec![disc(0.0, 0.0, 1.0); 1001], ShapeFault::TooMany),
