@@ -36,6 +36,19 @@ pub struct VelocityPrediction {
     pub inverse_inertias: [f64; 2],
     /// Whether i and j are lone.
     pub lone: [bool; 2],
+    /// What clumps add.
+    pub pushed: Pushed,
+}
+
+/// What a momentum along the normal on i (and the opposite one on j) at a contact of clumps changes beside what it changes at spheres.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pushed {
+    /// Changes of the relative velocity of the spheres' centres by the turn of i and of j, 1/kg.
+    pub velocities: [V; 2],
+    /// Changes of the spins, 1/(kg m).
+    pub spins: [V; 2],
+    /// The mobilities of a momentum along the sliding velocity, less 1/m + R^2/I of the sphere, 1/kg.
+    pub mobilities: [f64; 2],
 }
 
 impl VelocityPrediction {
@@ -43,6 +56,19 @@ impl VelocityPrediction {
     fn halves(&self, dt: f64, of: [f64; 2]) -> [f64; 2] {
         let alone = |side: usize| if self.lone[side] { of[side] } else { 0.0 };
         [0.5 * dt * (of[0] + of[1]), 0.5 * dt * (alone(0) + alone(1))]
+    }
+}
+
+impl VelocityPrediction {
+    /// Returns what `velocity` makes of the velocities and spins of a momentum along the normal: of both particles, and of the lone ones.
+    fn pushed(&self, velocity: impl Fn(V, [V; 2]) -> V) -> [V; 2] {
+        let of = |counts: [bool; 2]| {
+            let counted = |side: usize, change: V| if counts[side] { change } else { V::default() };
+            let [i, j] = self.pushed.velocities;
+            let [w_i, w_j] = self.pushed.spins;
+            velocity(counted(0, i) + counted(1, j), [counted(0, w_i), counted(1, w_j)])
+        };
+        [of([true; 2]), of(self.lone)]
     }
 }
 
@@ -99,6 +125,8 @@ impl NormalMotion {
 struct Event {
     ago: f64,
     force: f64,
+    /// The force per closing speed, N s/m.
+    drag: f64,
     opens: bool,
 }
 
@@ -149,6 +177,8 @@ struct Motion {
     spring_shares: [f64; 2],
     /// Stiffness (N/m) and damping (N s/m) at the overlap of the unloading.
     unloaded: [f64; 2],
+    /// Changes of the velocity by a momentum along the normal, 1/kg: of both particles, and of the lone ones.
+    pushed: [V; 2],
 }
 
 /// Returns the action of a contact, or `None` if it does not act. Advances its memory by `dt`.
@@ -341,11 +371,12 @@ fn event(
         // The contact's own averaged force acted before the contact began.
         let speed = normal_motion.closing + (gained + own) * (1.0 - 2.0 * ago / dt) + 2.0 * own;
         let at_touch = if terms.reaches() { terms.spring(pair_state.reduced, 0.0) } else { 0.0 };
-        let force = (at_touch + terms.drag(pair_state.reduced, 0.0) * speed).max(terms.floor());
-        return Some(Event { ago, force, opens: true });
+        let drag = terms.drag(pair_state.reduced, 0.0);
+        let force = (at_touch + drag * speed).max(terms.floor());
+        return Some(Event { ago, force, drag, opens: true });
     }
     let [earlier, whole] = forces;
-    (earlier * whole < 0.0).then(|| Event { ago: dt * whole / (whole - earlier), force: 0.0, opens: false })
+    (earlier * whole < 0.0).then(|| Event { ago: dt * whole / (whole - earlier), force: 0.0, drag: 0.0, opens: false })
 }
 
 /// Evaluates friction and rolling resistance and returns the action of the contact.
@@ -363,7 +394,10 @@ fn turn(
     let mut rolling = V::default();
     let mut tangential_stiffness = [memory.stiffness; 2];
     if let Some([stiffness, damping, mu]) = terms.tangential(pair_state.reduced, overlap, drag) {
-        let mobility = |side: usize| ahead.inverse_masses[side] + levers[side].powi(2) * ahead.inverse_inertias[side];
+        let mobility = |side: usize| {
+            let of_sphere = ahead.inverse_masses[side] + levers[side].powi(2) * ahead.inverse_inertias[side];
+            of_sphere + ahead.pushed.mobilities[side]
+        };
         let mut motion = Motion {
             middle: pair_state.sliding(pair_state.velocity, spins, levers),
             gained: pair_state.sliding(ahead.velocity, ahead.spins, levers),
@@ -376,6 +410,7 @@ fn turn(
                     terms.tangential(pair_state.reduced, unloading.overlap, drag).unwrap_or_default();
                 [stiffness, damping]
             }),
+            pushed: ahead.pushed(|velocity, spins| pair_state.sliding(velocity, spins, levers)),
         };
         tangential_stiffness[1] = stiffness;
         if !terms.stiffness_varies() {
@@ -410,6 +445,7 @@ fn turn(
             mean_drags: load.shares.map(|share| share * c),
             spring_shares: load.shares,
             unloaded: [k, c],
+            pushed: ahead.pushed(|_, spins| pair_state.rolling(spins)),
         };
         let mut load = *load;
         memory.rolling = at_start(memory.rolling, &motion, load.lead);
@@ -441,6 +477,7 @@ fn turn(
         mean_drags: load.shares.map(|share| share * c),
         spring_shares: load.shares,
         unloaded: [k, c],
+        pushed: ahead.pushed(|_, spins| pair_state.twisting(spins)),
     };
     memory.twist = at_start(memory.twist, &motion, load.lead);
     motion.pulled = memory.twist * -k;
@@ -451,6 +488,20 @@ fn turn(
 /// Returns the stretch of a spring at the beginning of the step. Springs are stored `lead` (s) ahead; a new one is empty.
 fn at_start(stored: V, motion: &Motion, lead: f64) -> V {
     if stored == V::default() { stored } else { stored - (motion.middle - motion.gained) * lead }
+}
+
+/// Cuts a force at `cap`. A slip that turns it by more than rounding and less than acos 0.8 from the force `from` is along the mean of both directions.
+fn slipped(force: V, cap: f64, from: V, normal: V) -> (V, bool) {
+    let (along, is_beyond) = force.cut(cap);
+    let [force, from] = [force, from].map(|force| force.across(normal));
+    let unit = from * (1.0 / from.length());
+    let component = force.dot(unit);
+    let turn = component / force.length();
+    if !is_beyond || from.length() == 0.0 || !(0.8..1.0 - 1e-12).contains(&turn) {
+        return (along, is_beyond);
+    }
+    let slip = (force.dot(force) - cap * cap) / (2.0 * (cap + component));
+    ((force - unit * slip) * (cap / (cap + slip)), true)
 }
 
 /// Advances a slider and returns its averaged force.
@@ -470,26 +521,34 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
     };
     let held = *spring;
     let mut began = held;
-    if let Some(Event { ago, force, opens }) = load.event {
-        let own = if opens { earlier * half } else { V::default() };
+    let mut from = earlier;
+    if let Some(Event { ago, force, drag, opens }) = load.event {
+        // Without the contact's own averaged forces of the step before, along the tangent and along the normal.
+        let push = motion.pushed[0] * (0.5 * load.dt);
+        let own = if opens { earlier * half + push * load.averaged[0] } else { V::default() };
+        let slowed = if opens { push.dot(earlier) * (3.0 - 2.0 * ago / load.dt) } else { 0.0 };
         let then = middle + (gained - own) * (1.0 - 2.0 * ago / load.dt) - own * 2.0;
-        let (force, is_beyond) = (*spring * -k - then * c).cut(mu * force.abs());
+        let cap = (mu * force.abs() + mu * drag * slowed).max(0.0);
+        let (force, is_beyond) = (*spring * -k - then * c).cut(cap);
+        from = force;
         if is_beyond {
             began = loaded(force, then, *spring);
         }
     }
     let mut after = (began + middle * load.accumulation_time).across(normal);
     let elastic = after * -k;
-    let predicted = middle + gained - (earlier - pulled) * half + (elastic * counts - pulled) * half_lone;
+    // Without the friction of this step: the normal force has changed, too.
+    let free = middle + gained + motion.pushed[1] * (0.5 * load.dt * (load.averaged[1] - load.averaged[0]));
+    let predicted = free - (earlier - pulled) * half + (elastic * counts - pulled) * half_lone;
     let end = predicted * (1.0 / (1.0 + half * c_mean));
-    let (whole, is_beyond) = (elastic - end * c).cut(mu * load.whole.abs());
+    let (whole, is_beyond) = slipped(elastic - end * c, mu * load.whole.abs(), from, normal);
     if load.accumulation_time <= 0.0 {
         after = V::default();
     } else if is_beyond {
-        after = loaded(whole, middle + gained + (whole * share - earlier) * half_lone, after);
+        after = loaded(whole, free + (whole * share - earlier) * half_lone, after);
     }
     let average = if is_beyond && !load.is_hertz { whole * share } else { elastic * counts - end * c_mean };
-    let mut force = average.cut(mu * load.averaged[1].abs()).0;
+    let mut force = slipped(average, mu * load.averaged[1].abs(), from, normal).0;
     if let Some(Unloading { lasts, rate, .. }) = load.unloading {
         // The force in the middle of the time before the release, if the slider sticks, averaged over the whole step.
         let [k, c] = motion.unloaded;
@@ -507,7 +566,7 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
     }
     // Stored ahead, with the velocity of the step's end that this force gives.
     if load.accumulation_time > 0.0 {
-        after += (middle + gained + (force - earlier) * half_lone) * load.lead;
+        after += (free + (force - earlier) * half_lone) * load.lead;
     }
     *spring = after;
     force

@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::centred::{VelocityPrediction, centred, start};
+use crate::centred::{Pushed, VelocityPrediction, centred, start};
 use crate::clump::Clump;
 use crate::law::{Reduced, Terms};
 use crate::plain::{Action, Memory, PairState, Times, plain};
@@ -322,7 +322,7 @@ impl Simulator {
         let half = 0.5 * self.dt;
         let [beta, beta_of_spins] = self.prediction;
         let lead = if self.springs_exact { 0.0 } else { half };
-        let gains = if dt == 0.0 { VelocityPrediction::default() } else { self.ahead(both, pair_state.normal, dt) };
+        let gains = if dt == 0.0 { VelocityPrediction::default() } else { self.ahead(both, pair_state, dt) };
         let predicted = PairState {
             velocity: pair_state.velocity + gains.velocity * beta - both[1].gained * (1.0 - beta),
             spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta_of_spins),
@@ -392,7 +392,8 @@ fn are_of_one_clump(a: &Body, b: &Body) -> bool {
 
 impl Simulator {
     /// Returns the predicted velocity change over half a step of both particles, from their previous loads.
-    fn ahead(&self, both: [&Body; 2], normal: V, dt: f64) -> VelocityPrediction {
+    fn ahead(&self, both: [&Body; 2], pair_state: &PairState, dt: f64) -> VelocityPrediction {
+        let normal = pair_state.normal;
         let gains = both.map(|body| body.gains(dt));
         let mobility = |body: &Body| match body.part {
             Part::Sphere { of, .. } => self.clump_at(of).mobility(body.mass, body.arm, normal),
@@ -404,7 +405,31 @@ impl Simulator {
             inverse_masses: both.map(mobility),
             inverse_inertias: both.map(Body::inverse_inertia),
             lone: both.map(|body| body.is_lone),
+            pushed: self.pushed(both, pair_state),
         }
+    }
+
+    /// Returns what momenta at the contact change beside what they change at spheres.
+    fn pushed(&self, both: [&Body; 2], pair_state: &PairState) -> Pushed {
+        let normal = pair_state.normal;
+        let mut pushed = Pushed::default();
+        let sliding = pair_state.sliding(pair_state.velocity, pair_state.spins, pair_state.levers(false));
+        let along = sliding * (1.0 / sliding.length());
+        for (side, (body, towards)) in both.into_iter().zip([-normal, normal]).enumerate() {
+            let Part::Sphere { of, .. } = body.part else { continue };
+            let clump = self.clump_at(of);
+            let arm = body.arm + towards * body.radius;
+            // The momentum on this body is -towards.
+            let spin = clump.turning(arm.cross(-towards));
+            let velocity = spin.cross(body.arm);
+            pushed.velocities[side] = if side == 0 { velocity } else { -velocity };
+            pushed.spins[side] = spin;
+            if sliding.length() > 0.0 {
+                let of_sphere = clump.mobility(body.mass, body.arm, normal) + body.radius.powi(2) * body.inverse_inertia();
+                pushed.mobilities[side] = clump.mobility(body.mass, arm, along) - of_sphere;
+            }
+        }
+        pushed
     }
 
     fn clump_at(&self, centre: usize) -> &Clump {

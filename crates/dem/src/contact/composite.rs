@@ -255,15 +255,17 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
                     // contact opened.
                     let own = half * force_before;
                     let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
-                    let load = dashpot_at(0.0) * speed;
+                    let dashpot = dashpot_at(0.0);
+                    let load = dashpot * speed;
                     let force = if N::REACHES { load + self.normal.spring(&at(0.0)) } else { load }.max(floor);
-                    LoadEvent { ago, force, opens: true }
+                    LoadEvent { ago, force, dashpot, opens: true }
                 })
             } else {
                 let earlier = begins.max(floor);
                 (overlap > 0.0 && earlier * whole < 0.0).then(|| LoadEvent {
                     ago: pair.dt * whole / (whole - earlier),
                     force: 0.0,
+                    dashpot: 0.0,
                     opens: false,
                 })
             };

@@ -132,6 +132,20 @@ pub struct VelocityPrediction<V: Space = Plane> {
     pub inverse_inertias: [f64; 2],
     /// For i and for j: 1 if it is lone, else 0.
     pub lone: [f64; 2],
+    /// What rigid bodies of several spheres add to these numbers; zero for spheres.
+    pub beside: BesideSpheres<V>,
+}
+
+/// What a momentum at the contact of rigid bodies of several spheres changes beside what it changes for spheres: it turns them about their centres of
+/// mass, so that a momentum along the normal changes the sliding velocity, and the other way round.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BesideSpheres<V: Space = Plane> {
+    /// Change of the relative velocity of the spheres' centres, by the turn of i and by that of j, per momentum along the normal on i, 1/kg.
+    pub velocities: [V; 2],
+    /// Change of the spins of i and j per momentum along the normal on i, 1/(kg m).
+    pub spins: [V::Spin; 2],
+    /// The mobility of i and of j along the sliding velocity, without that of a sphere, 1/m + l^2/I, 1/kg.
+    pub mobilities: [f64; 2],
 }
 
 impl<V: Space> VelocityPrediction<V> {
@@ -152,6 +166,17 @@ impl<V: Space> Pair<V> {
         pair.spins[0] += self.ahead.spins[0];
         pair.spins[1] += self.ahead.spins[1];
         pair
+    }
+
+    /// Returns what `velocity` makes of the changes of velocities and spins per momentum along the normal, 1/kg: those of i and j, then only
+    /// of lone grains.
+    #[inline(always)]
+    #[must_use]
+    pub fn pushed<T>(&self, velocity: impl Fn(&Self) -> T) -> [T; 2] {
+        let BesideSpheres { velocities: [v_i, v_j], spins: [w_i, w_j], .. } = self.ahead.beside;
+        [[1.0; 2], self.ahead.lone].map(|[i, j]| {
+            velocity(&Self { relative_velocity: v_i * i + v_j * j, spins: [w_i * i, w_j * j], ..*self })
+        })
     }
 
     /// Returns the pair with another overlap, m; a negative `overlap` is replaced by 0.

@@ -16,10 +16,11 @@ use serde::{Deserialize, Serialize};
 pub use self::any::{AnyRolling, RollingKeys, RollingKind};
 
 use crate::contact::centred::normal_load::NormalLoad;
+use crate::contact::centred::slider::TangentialMotion;
 use crate::contact::law::Bounce;
 use crate::contact::pair::{Pair, VelocityPrediction};
 use crate::contact::pair_force::Resistance;
-use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
+use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
@@ -105,6 +106,18 @@ pub(super) fn mobilities<V: Space>(pair: &Pair<V>) -> [f64; 2] {
     [squared * (i + j), squared * (lone[0] * i + lone[1] * j)]
 }
 
+/// Returns the rolling motion of a contact near an event.
+#[inline(always)]
+fn rolling_motion<V: Space>(pair: &Pair<V>) -> TangentialMotion<V> {
+    let middle = rolling_velocity(pair);
+    TangentialMotion {
+        middle,
+        gained: rolling_velocity(&pair.predicted()) - middle,
+        mobilities: mobilities(pair),
+        pushed: pair.pushed(rolling_velocity),
+    }
+}
+
 /// Sets the torques of a rolling force with arm R_eff.
 #[inline(always)]
 fn set_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, resistance: &mut Resistance<V>) {
@@ -169,11 +182,9 @@ impl Rolling for RollingResistance {
         let dashpot = self.damping.of(pair.reduced_mass);
         let friction = self.friction.get();
         let slider = Slider { stiffness: self.k.get(), dashpot, cap: friction * load.whole.abs() };
-        let middle = rolling_velocity(pair);
-        let mobilities = mobilities(pair);
-        let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        memory.rolling = at_evaluation(memory.rolling, motion, pair.springs_ahead);
-        let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.springs_ahead]);
+        let motion = rolling_motion(pair);
+        memory.rolling = motion.at_evaluation(memory.rolling, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.rolling * -slider.stiffness;
         sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         let modulus = |_: &Pair<V>| (slider.stiffness, dashpot);

@@ -76,13 +76,6 @@ impl Slider {
     }
 }
 
-/// Returns the spring at the beginning of the step, m, from the stored spring, which is `springs_ahead` (s) ahead of it. `motion` is
-/// the velocity in the middle of the step and its gain until the end, m/s. A new contact has no spring.
-#[inline(always)]
-pub(super) fn at_evaluation<V: Space>(spring: V, [middle, gained]: [V; 2], springs_ahead: f64) -> V {
-    if spring == V::ZERO { spring } else { spring - (middle - gained) * springs_ahead }
-}
-
 /// Returns the energy lost with the spring of an ended contact, J. `stiffness` in N/m; `velocity` (m/s) is the velocity
 /// of the last step, `dt` (s).
 pub(super) fn lost_at_contact_end<V: Space>(stiffness: f64, spring: V, velocity: V, dt: f64) -> f64 {

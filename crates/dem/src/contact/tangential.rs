@@ -23,6 +23,7 @@ pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
 use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::damping::Coefficient;
 use crate::contact::law::Bounce;
+use crate::contact::centred::slider::TangentialMotion;
 use crate::contact::pair::{Pair, VelocityPrediction};
 use crate::contact::pair_force::Resistance;
 use crate::contact::spring_memory::SpringMemory;
@@ -80,14 +81,19 @@ impl From<TangentialDamping> for Coefficient {
 }
 
 impl<V: Space> Pair<V> {
-    /// Returns the sliding velocity in the middle of the step and its gain until the end, m/s, and the mobilities,
-    /// 1/kg. A mobility is 1/m + l^2/I summed over i and j: first over both, then only over lone grains.
+    /// Returns the sliding motion of a contact near an event. A mobility is 1/m + l^2/I, and what bodies add, summed over i and j.
     #[inline(always)]
-    fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
+    fn sliding(&self, arms: [f64; 2]) -> TangentialMotion<V> {
         let middle = self.sliding_velocity(arms);
-        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, lone, .. } = self.ahead;
-        let [a, b] = [m[0] + arms[0] * arms[0] * i[0], m[1] + arms[1] * arms[1] * i[1]];
-        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, lone[0] * a + lone[1] * b])
+        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, lone, beside, .. } = self.ahead;
+        let mobility = |side: usize| m[side] + arms[side] * arms[side] * i[side] + beside.mobilities[side];
+        let [a, b] = [mobility(0), mobility(1)];
+        TangentialMotion {
+            middle,
+            gained: self.predicted().sliding_velocity(arms) - middle,
+            mobilities: [a + b, lone[0] * a + lone[1] * b],
+            pushed: self.pushed(|pair| pair.sliding_velocity(arms)),
+        }
     }
 }
 

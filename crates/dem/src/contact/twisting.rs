@@ -13,10 +13,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::contact::centred::normal_load::NormalLoad;
+use crate::contact::centred::slider::TangentialMotion;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
 use crate::contact::rolling::{RollingDamping, mobilities};
-use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
+use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
 use crate::space::{Linear, Plane, Space};
 use crate::values::{NonNegative, Positive};
@@ -88,9 +89,14 @@ impl Twisting {
         let dashpot = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k, dashpot, cap: self.friction * load.whole.abs() };
         let middle = velocity(pair);
-        let motion = [along(middle), along(velocity(&pair.predicted()) - middle)];
-        let mut spring = at_evaluation(along(memory.twist), motion, pair.springs_ahead);
-        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.springs_ahead]);
+        let motion = TangentialMotion {
+            middle: along(middle),
+            gained: along(velocity(&pair.predicted()) - middle),
+            mobilities: mobilities(pair),
+            pushed: pair.pushed(|pair| along(velocity(pair))),
+        };
+        let mut spring = motion.at_evaluation(along(memory.twist), pair.springs_ahead);
+        let mut sweep = load.sweep(motion, self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = spring * -self.k;
         sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (self.k, dashpot)));

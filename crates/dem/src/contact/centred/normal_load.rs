@@ -1,6 +1,6 @@
 //! The normal load of a contact near an event, as input of its friction and rolling resistance.
 
-use crate::contact::centred::slider::{Event, Release, TangentialStep};
+use crate::contact::centred::slider::{Event, Release, TangentialMotion, TangentialStep};
 use crate::contact::centred::window::Window;
 use crate::contact::pair::Pair;
 use crate::space::Space;
@@ -35,6 +35,8 @@ pub struct LoadEvent {
     pub ago: f64,
     /// Normal force just after the event, N.
     pub force: f64,
+    /// The force just after the event per closing speed, N s/m.
+    pub dashpot: f64,
     /// Whether the contact opens.
     pub opens: bool,
 }
@@ -88,30 +90,31 @@ impl Unloading {
 }
 
 impl NormalLoad {
-    /// Returns the tangential step for a motion with coefficient of friction `friction`. `motion` is its velocity in
-    /// the middle of the step and the gain until the end (m/s); `mobilities` in 1/kg. The dashpot coefficients are set to zero.
+    /// Returns the tangential step for a motion with coefficient of friction `friction`. The dashpot coefficients are set to zero.
     #[inline(always)]
     #[must_use]
     pub fn sweep<V: Space>(
         &self,
-        motion: [V; 2],
-        mobilities: [f64; 2],
+        motion: TangentialMotion<V>,
         friction: f64,
         [dt, springs_ahead]: [f64; 2],
     ) -> TangentialStep<V> {
-        let [middle, gained] = motion;
         TangentialStep {
-            middle,
-            gained,
-            mobilities,
+            motion,
             dt,
             springs_ahead,
-            event: self.event.map(|LoadEvent { ago, force, opens }| Event { ago, cap: friction * force.abs(), opens }),
+            event: self.event.map(|LoadEvent { ago, force, dashpot, opens }| Event {
+                ago,
+                cap: friction * force.abs(),
+                cap_per_speed: friction * dashpot,
+                opens,
+            }),
             gathering: self.gathering,
             shares: self.shares,
             spring_shares: self.shares,
             mean_dashpots: [0.0; 2],
             averaged_caps: self.averaged.map(|force| friction * force.abs()),
+            averaged_loads: self.averaged,
             normal_fades: self.fades,
             pulled: V::ZERO,
             release: None,

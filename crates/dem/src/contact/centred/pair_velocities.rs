@@ -2,7 +2,7 @@
 
 use crate::contact::pair::{Gathered, Pair};
 use crate::neighbours::list::Candidate;
-use crate::space::{Linear, Space};
+use crate::space::{Linear, Rotor, Space};
 use crate::store::ParticleStore;
 use crate::walls::surface_wall::SurfaceWall;
 
@@ -16,6 +16,9 @@ impl<V: Space> ParticleStore<V> {
         pair.ahead.velocity = self.gain(i) - self.gain(j);
         self.describe(i, 0, pair);
         self.describe(j, 1, pair);
+        let along = self.sliding_direction([i, j].map(|row| self.body[row].radius), pair);
+        self.describe_body(i, 0, along, pair);
+        self.describe_body(j, 1, along, pair);
     }
 
     /// Like [`Self::predict_pair`], for a contact with a wall surface.
@@ -27,6 +30,8 @@ impl<V: Space> ParticleStore<V> {
             pair.ahead.velocity -= gained;
         }
         self.describe(i, 0, pair);
+        let along = self.sliding_direction([self.body[i].radius, 0.0], pair);
+        self.describe_body(i, 0, along, pair);
     }
 
     /// Returns the velocities of two particles in the middle of the step.
@@ -65,6 +70,36 @@ impl<V: Space> ParticleStore<V> {
     fn gain(&self, i: usize) -> V {
         // Predicted velocities contain a share of it.
         (self.body[i].velocity - self.middle_velocity(i)) * (1.0 / self.prediction.share)
+    }
+
+    /// Returns the direction in which the surfaces of a contact slide, or zero. `levers` are the radii of the spheres, m.
+    fn sliding_direction(&self, levers: [f64; 2], pair: &Pair<V>) -> V {
+        if self.bodies.is_empty() {
+            return V::ZERO;
+        }
+        let sliding = pair.sliding_velocity(levers);
+        let speed = sliding.length();
+        if speed > 0.0 { sliding * (1.0 / speed) } else { V::ZERO }
+    }
+
+    /// Sets what the body of sphere `i` adds to the numbers of a contact whose surfaces slide along the unit vector `along`.
+    fn describe_body(&self, i: usize, side: usize, along: V, pair: &mut Pair<V>) {
+        let Some(sphere) = self.bodies.sphere(i).filter(|_| !self.is_fixed(i)) else { return };
+        let inverse_inertia = self.bodies.inverse_inertia[sphere.body.index()];
+        let rotor = self.bodies.rotor[sphere.body.index()];
+        let sign = [1.0, -1.0][side];
+        let centre = self.bodies.arm(i);
+        let arm = centre - pair.normal * (sign * self.body[i].radius);
+        let turned_by = |momentum: V| rotor.spin(arm.cross(momentum), inverse_inertia);
+        let spin = turned_by(pair.normal);
+        let alone = pair.ahead.inverse_masses[side] + self.body[i].radius.powi(2) * pair.ahead.inverse_inertias[side];
+        let beside = &mut pair.ahead.beside;
+        beside.velocities[side] = centre.turned_by(spin);
+        beside.spins[side] = spin * sign;
+        if along != V::ZERO {
+            let mobility = self.body[i].inverse_mass + arm.turned_by(turned_by(along)).dot(along);
+            beside.mobilities[side] = mobility - alone;
+        }
     }
 
     /// Sets the numbers of particle `i` at one side of a contact.

@@ -22,8 +22,8 @@ use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
-use crate::contact::rolling::{Rolling, RollingDamping, RollingResistance, mobilities, rolling_velocity, set_torques};
-use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
+use crate::contact::rolling::{Rolling, RollingDamping, RollingResistance, rolling_motion, rolling_velocity, set_torques};
+use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
 use crate::contact::tangential::mean_of;
 use crate::contact::twisting::{Twisting, TwistingKeys};
@@ -195,10 +195,9 @@ impl Rolling for AnyRolling {
         if self.is_torque {
             (k, dashpot) = (0.0, STOPPING * pair.reduced_mass / pair.dt);
         }
-        let middle = rolling_velocity(pair);
-        let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        memory.rolling = at_evaluation(memory.rolling, motion, pair.springs_ahead);
-        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.springs_ahead]);
+        let motion = rolling_motion(pair);
+        memory.rolling = motion.at_evaluation(memory.rolling, pair.springs_ahead);
+        let mut sweep = load.sweep(motion, self.friction, [pair.dt, pair.springs_ahead]);
         sweep.pulled = memory.rolling * -before;
         sweep.mean_dashpots = load.mean_dashpots(|share, _| dashpot * share);
         // Over a release the stiffness is that of the evaluation: there is none of a later overlap.

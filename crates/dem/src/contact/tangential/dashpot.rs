@@ -51,10 +51,10 @@ impl Tangential for Dashpot {
         resistance: &mut Resistance<V>,
     ) {
         resistance.arms = self.lever.arms(pair);
-        let (motion, mobilities) = pair.sliding(resistance.arms);
+        let motion = pair.sliding(resistance.arms);
         let dashpot = self.damping.of(pair.reduced_mass, load.dashpot);
         let slider = Slider { stiffness: 0.0, dashpot, cap: self.friction * load.whole.abs() };
-        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.springs_ahead]);
+        let mut sweep = load.sweep(motion, self.friction, [pair.dt, pair.springs_ahead]);
         sweep.mean_dashpots = load.mean_dashpots(|share, normal| self.damping.mean(pair.reduced_mass, share, normal));
         let modulus = |_: &Pair<V>| (0.0, dashpot);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, modulus));
