@@ -17,6 +17,7 @@
 //! * Friction and rolling resistance are sliders (`slide`). Their springs accumulate displacement from the event of
 //!   this step on. The event is the moment at which the contact opened, or at which the full normal force, without
 //!   theta, changed sign.
+//! * A momentum along the normal at a clump changes its sliding velocity, too (`Pushed`). A slip that turns is along the mean direction (`slipped`).
 //! * If the normal force, as a linear function of time, falls to zero before now + h, a slider that sticks until then acts
 //!   only before this moment (`Unloading`).
 

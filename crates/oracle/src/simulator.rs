@@ -425,7 +425,8 @@ impl Simulator {
             pushed.velocities[side] = if side == 0 { velocity } else { -velocity };
             pushed.spins[side] = spin;
             if sliding.length() > 0.0 {
-                let of_sphere = clump.mobility(body.mass, body.arm, normal) + body.radius.powi(2) * body.inverse_inertia();
+                let of_sphere =
+                    clump.mobility(body.mass, body.arm, normal) + body.radius.powi(2) * body.inverse_inertia();
                 pushed.mobilities[side] = clump.mobility(body.mass, arm, along) - of_sphere;
             }
         }

@@ -301,10 +301,12 @@ mod tests {
         check_all::<Solid>(|[x, y, z]| ShapeConfig::Cuboid { size: (number(x), number(y), number(z)), spheres: 3 });
         check_all::<Solid>(|[x, y, _]| ShapeConfig::Capsule { length: number(x), diameter: number(y), spheres: 5 });
         check_all::<Plane>(|[x, y, _]| ShapeConfig::Ellipse { axes: (number(x), number(y)), discs: 3 });
-        check_all::<Solid>(|[x, y, z]| ShapeConfig::Spheres(vec![
-            SphereConfig { at: at(0.0, 0.0, 0.0), radius: number(y) },
-            SphereConfig { at: at(x, 0.0, 0.0), radius: number(z) },
-        ]));
+        check_all::<Solid>(|[x, y, z]| {
+            ShapeConfig::Spheres(vec![
+                SphereConfig { at: at(0.0, 0.0, 0.0), radius: number(y) },
+                SphereConfig { at: at(x, 0.0, 0.0), radius: number(z) },
+            ])
+        });
         check_all::<Plane>(|[x, y, z]| ShapeConfig::Polygon {
             points: vec![at(0.0, 0.0, 0.0), at(x, 0.0, 0.0), at(y, z, 0.0)],
             discs: 3,

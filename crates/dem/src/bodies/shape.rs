@@ -99,7 +99,11 @@ impl fmt::Display for ShapeFault {
             }
             Self::OutOfRange(i) => {
                 let [least, greatest] = SIZES;
-                write!(f, "sphere {} of the shape has a radius below {least:e} m, or reaches beyond {greatest:e} m", i + 1)
+                write!(
+                    f,
+                    "sphere {} of the shape has a radius below {least:e} m, or reaches beyond {greatest:e} m",
+                    i + 1
+                )
             }
             Self::Inside(i, j) => write!(f, "sphere {} of the shape lies inside sphere {}", i + 1, j + 1),
             Self::Apart(i) => {

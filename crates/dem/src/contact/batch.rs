@@ -376,6 +376,7 @@ mod tests {
                 inverse_masses: [1.0 / (0.1 + part), 0.0],
                 inverse_inertias: [40.0, 0.0],
                 lone: [f64::from(number % 3 / 2), 0.0],
+                ..VelocityPrediction::default()
             },
         }
     }

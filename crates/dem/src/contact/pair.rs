@@ -174,9 +174,8 @@ impl<V: Space> Pair<V> {
     #[must_use]
     pub fn pushed<T>(&self, velocity: impl Fn(&Self) -> T) -> [T; 2] {
         let BesideSpheres { velocities: [v_i, v_j], spins: [w_i, w_j], .. } = self.ahead.beside;
-        [[1.0; 2], self.ahead.lone].map(|[i, j]| {
-            velocity(&Self { relative_velocity: v_i * i + v_j * j, spins: [w_i * i, w_j * j], ..*self })
-        })
+        [[1.0; 2], self.ahead.lone]
+            .map(|[i, j]| velocity(&Self { relative_velocity: v_i * i + v_j * j, spins: [w_i * i, w_j * j], ..*self }))
     }
 
     /// Returns the pair with another overlap, m; a negative `overlap` is replaced by 0.

@@ -31,7 +31,8 @@
 //! * **Friction** ([`Slider::pull_centred`](crate::contact::spring::Slider::pull_centred)). The tangential spring accumulates
 //!   v_h from the moment of contact on, not during the whole first step. If the dashpot force exceeds the cap at that moment,
 //!   the spring is set there as in any slip. The same is done where the normal force changes sign, with a cap of zero.
-//!   The dashpot uses the velocity at t+dt, solved for as along the normal, with 1/m_t = 1/m + l_i^2/I_i + l_j^2/I_j.
+//!   The dashpot uses the velocity at t+dt, solved for as along the normal, with 1/m_t = 1/m + l_i^2/I_i + l_j^2/I_j. For bodies of several spheres 1/m_t
+//!   is that of the contact point, and the velocities at the event and at t+dt know that the normal force turns the body.
 //!   Spring and dashpot are averaged over the step, and the force is capped with the averaged normal force. A contact that
 //!   still sticks when its normal force reaches zero acts only in the share of the step before that moment. The spring is
 //!   stored half a step ahead, with the velocity of the end that this force gives.
@@ -50,6 +51,7 @@
 //! * The force of a new contact may make another contact of the same grain stick while the dashpot of that other contact slips. The law
 //!   of the other contact does not know at which moment of the step the new contact opened, and sets its spring at the evaluation, up to
 //!   half a step later. A spring grows at another rate in slip than in stick, so that its error is of first order.
+//! * A contact that is not near an event, such as those of a body that touches with several spheres, is cut along its new force. In solid space that is of first order in the turn of the force of a slider that slips.
 //! * With strong damping (e = 0.2) the normal force of Hertz's law has order 1.5 from t_c/20 to t_c/80, and 1.9 from t_c/320
 //!   on, with and without friction.
 //! * The energy balance is of second order.

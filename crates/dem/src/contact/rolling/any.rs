@@ -22,7 +22,9 @@ use crate::contact::centred::normal_load::NormalLoad;
 use crate::contact::law::Bounce;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::Resistance;
-use crate::contact::rolling::{Rolling, RollingDamping, RollingResistance, rolling_motion, rolling_velocity, set_torques};
+use crate::contact::rolling::{
+    Rolling, RollingDamping, RollingResistance, rolling_motion, rolling_velocity, set_torques,
+};
 use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
 use crate::contact::spring_memory::SpringMemory;
 use crate::contact::tangential::mean_of;
