@@ -92,7 +92,8 @@ impl<V: Space> ParticleStore<V> {
         let arm = centre - pair.normal * (sign * self.body[i].radius);
         let turned_by = |momentum: V| rotor.spin(arm.cross(momentum), inverse_inertia);
         let spin = turned_by(pair.normal);
-        let of_sphere = pair.ahead.inverse_masses[side] + self.body[i].radius.powi(2) * pair.ahead.inverse_inertias[side];
+        let of_sphere =
+            pair.ahead.inverse_masses[side] + self.body[i].radius.powi(2) * pair.ahead.inverse_inertias[side];
         let beside = &mut pair.ahead.beside;
         beside.velocities[side] = centre.turned_by(spin);
         beside.spins[side] = spin * sign;
