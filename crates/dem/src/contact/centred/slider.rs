@@ -10,10 +10,10 @@
 //! O(dt^(1/4)) where a contact begins. Otherwise it is theta times the force at the evaluation; the difference is O(dt) in
 //! a single step, and the error a few per cent smaller in most cases.
 //!
-//! **Turning slip.** A slider that slips all the time loses the displacement lambda n, n being the direction of its force. In solid space n may
-//! turn. With the force f where the slip begins and the force p that it would have without slip, f' = p - mu (f/|f| + f'/|f'|) takes the mean of
-//! both directions, so that it is of second order, where a cut of p along its own direction is of first. |f'| is the cap C, hence
-//! mu = (|p|^2 - C^2)/(2 (C + p.f/|f|)). Where the force turns by more than 37 degrees in a step, p is cut.
+//! **Turning slip.** A slider that slips loses displacement along its force. In solid space the force may turn. Let f be the force where the slip
+//! begins, p the force at the end if nothing slipped, and f' the force at the end. f' = p - l (f/|f| + f'/|f'|) loses it along the mean of
+//! both directions, which is of second order; a cut of p along its own direction is of first. |f'| is the cap C, hence
+//! l = (|p|^2 - C^2)/(2 (C + p.f/|f|)). Where the force turns by more than 37 degrees in a step, p is cut.
 //!
 //! **Release.** If the contact still sticks when the normal force reaches zero, the spring is released at that moment and F drops
 //! to zero. Let s be the share of the centred step before this moment, P the force of the slider in the middle of that
