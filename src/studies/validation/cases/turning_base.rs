@@ -73,8 +73,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     judgement.remarks.push(
         "The silo is 14 d wide and the orifice 6.5 d, friction is 0.5 and the base is smooth; those of the publications could not be read. Rods are capsules of five \
          spheres, the pegs have flat ends. Rates of rods above a base at rest differ from run to run, because their flow stops and starts. The abstract also \
-         has a rate that grows exponentially with the orifice below D = 3 d, between clogs that the base breaks. There about one rod a second leaves, so that \
-         one rate would take thousands of seconds of a core: it was not run."
+         has a rate that grows exponentially with the orifice below D = 3 d, between clogs that the base breaks. This smooth base does \
+         not break them: in silos of 8 d rods leave for some seconds only, up to D = 4 d (trials of 30 November 2026). So this rate was not compared."
             .to_owned(),
     );
     Ok(judgement)
