@@ -37,11 +37,11 @@ pub struct VelocityPrediction {
     pub inverse_inertias: [f64; 2],
     /// Whether i and j are lone.
     pub lone: [bool; 2],
-    /// What clumps add.
+    /// Additions of clumps to these numbers.
     pub pushed: Pushed,
 }
 
-/// What a momentum along the normal on i (and the opposite one on j) at a contact of clumps changes beside what it changes at spheres.
+/// Changes of motion by a momentum along the normal on i, and the opposite one on j, at a contact of clumps, beyond those at a contact of spheres.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pushed {
     /// Changes of the relative velocity of the spheres' centres by the turn of i and of j, 1/kg.

@@ -137,9 +137,8 @@ impl ShapeConfig {
         };
         let lengths = lengths.into_iter().map(Positive::get);
         let (shortest, longest) = (lengths.clone().fold(f64::INFINITY, f64::min), lengths.fold(0.0, f64::max));
-        let [least, greatest] = SIZES;
-        if shortest < least || longest > greatest {
-            return Err(format!("lengths of a shape are from {least:e} to {greatest:e} m"));
+        if shortest < SIZES[0] || longest > SIZES[1] {
+            return Err(out_of_range());
         }
         let ratio = longest / shortest;
         if ratio > MOST_SLENDER {
@@ -192,6 +191,12 @@ const MOST_CHOSEN: u16 = 200;
 /// Largest ratio of two lengths of a shape: no longer row of spheres is one piece with as many spheres as a shape may have.
 const MOST_SLENDER: f64 = 1000.0;
 
+/// Returns why lengths outside [`SIZES`] are refused.
+fn out_of_range() -> String {
+    let [least, greatest] = SIZES;
+    format!("lengths of a shape are from {least:e} to {greatest:e} m")
+}
+
 /// Chooses spheres for the points of a surface.
 fn covered(points: &[SurfacePoint], count: u16) -> Result<MadeShape, String> {
     if count == 0 {
@@ -199,6 +204,10 @@ fn covered(points: &[SurfacePoint], count: u16) -> Result<MadeShape, String> {
     }
     if count > MOST_CHOSEN {
         return Err(format!("{count} spheres are too many: at most {MOST_CHOSEN} are chosen for a surface"));
+    }
+    // Squares of their distances, times the weights, are finite then.
+    if points.iter().any(|point| point.at.length() > SIZES[1]) {
+        return Err(out_of_range());
     }
     let Cover { balls, deviation } = cover(points, usize::from(count));
     if balls.is_empty() {
@@ -276,6 +285,9 @@ mod tests {
         let [length, diameter] = [2.0, 1.0].map(|length| Positive::try_from(length).unwrap());
         let fault = ShapeConfig::Capsule { length, diameter, spheres: u16::MAX }.make().unwrap_err();
         assert!(fault.contains("at most 1000"), "{fault}");
+        let points = ["(0.0, 0.0)", "(1e110, 0.0)", "(0.0, 1e110)"].map(|point| ron::from_str(point).unwrap()).to_vec();
+        let fault = ShapeConfig::Polygon { points, discs: 3 }.make().unwrap_err();
+        assert_eq!(fault, out_of_range());
     }
 
     /// Numbers of all sizes, among them those whose squares vanish or overflow.

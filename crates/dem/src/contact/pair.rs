@@ -132,12 +132,12 @@ pub struct VelocityPrediction<V: Space = Plane> {
     pub inverse_inertias: [f64; 2],
     /// For i and for j: 1 if it is lone, else 0.
     pub lone: [f64; 2],
-    /// What rigid bodies of several spheres add to these numbers; zero for spheres.
+    /// Additions of rigid bodies of several spheres to these numbers; zero for spheres.
     pub beside: BesideSpheres<V>,
 }
 
-/// What a momentum at the contact of rigid bodies of several spheres changes beside what it changes for spheres: it turns them about their centres of
-/// mass, so that a momentum along the normal changes the sliding velocity, and the other way round.
+/// Changes of motion by a momentum at a contact of rigid bodies of several spheres, beyond those of spheres. The momentum turns the bodies about their
+/// centres of mass, so that one along the normal changes the sliding velocity, and one along the tangent plane the closing speed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BesideSpheres<V: Space = Plane> {
     /// Change of the relative velocity of the spheres' centres, by the turn of i and by that of j, per momentum along the normal on i, 1/kg.
