@@ -30,7 +30,6 @@ mod crystal;
 mod stopwatch;
 
 use std::num::NonZeroUsize;
-use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use siloflow::dem::neighbours::Search;
@@ -62,15 +61,13 @@ struct Trace {
 /// The work that the program hands out to a number of threads.
 #[derive(Clone, Copy, Debug)]
 struct Shares {
-    /// Rows and pairs that all threads evaluate.
+    /// Rows and pairs.
     all: usize,
     /// Rows and pairs of the busiest thread.
     largest: usize,
-    /// Rows and pairs of a single thread.
-    undivided: usize,
     /// The largest part of the rows that a thread has.
     rows: f64,
-    /// Pairs that two threads evaluate, by all pairs.
+    /// Pairs between two threads, by all pairs.
     border: f64,
 }
 
@@ -79,21 +76,17 @@ impl Shares {
     fn of<V: Space>(simulation: &Simulation) -> Self {
         let list = &simulation.world().resource::<Search<V>>().list;
         let pairs = list.pairs();
-        let before = |row: usize| pairs.partition_point(|pair| pair.first() < row);
-        let work = |task: &Task| {
-            let Range { start, end } = task.rows;
-            end - start + before(end) - before(start) + task.incoming.len()
-        };
+        let rows_before = |row: usize| pairs.partition_point(|pair| pair.row() < row);
+        let own = |task: &Task| &pairs[rows_before(task.rows.start)..rows_before(task.rows.end)];
+        let work = |task: &Task| task.rows.len() + own(task).len();
         let tasks = list.tasks();
+        let outgoing = |task: &Task| own(task).iter().filter(|pair| pair.partner() < task.rows.start).count();
         let rows: usize = tasks.iter().map(|task| task.rows.len()).sum();
-        let undivided = rows + pairs.len();
-        let all = tasks.iter().map(work).sum();
         Self {
-            all,
+            all: tasks.iter().map(work).sum(),
             largest: tasks.iter().map(work).max().unwrap_or(0),
-            undivided,
             rows: ratio(tasks.iter().map(|task| task.rows.len()).max().unwrap_or(0), rows),
-            border: ratio(all - undivided, pairs.len()),
+            border: ratio(tasks.iter().map(outgoing).sum(), pairs.len()),
         }
     }
 }
@@ -176,10 +169,10 @@ fn model(bed: Bed, threads: NonZeroUsize, whole: Duration, passes: Passes, conta
     let serial = bed.each(whole.saturating_sub(passes.wall));
     let joining = bed.each(passes.wall.saturating_sub(passes.longest));
     let others = bed.each(passes.work.saturating_sub(contacts.work));
-    let Shares { all, undivided, .. } = bed.shares(threads);
+    let all = bed.shares(threads).all;
     // Time of so many rows and pairs, us.
     let time_of = |count: usize| bed.each(contacts.work) * ratio(count, all);
-    let contacts = time_of(undivided);
+    let contacts = time_of(all);
     println!("model: serial {serial:.1}, contacts {contacts:.1}, other passes {others:.1}, joining {joining:.1}");
     for count in MODELLED.map(|count| NonZeroUsize::new(count).expect("not 0")) {
         let Shares { largest, rows, border, .. } = bed.shares(count);

@@ -25,6 +25,13 @@ use self::trace::{PassClock, Passes, Trace};
 /// rebuilt list of many grains or a row of measurements.
 const POLL_TIME: Duration = Duration::from_millis(2);
 
+thread_local! {
+    /// Whether this thread polls for jobs.
+    static IS_POLLING: Cell<bool> = const { Cell::new(false) };
+    /// Whether this thread waits in a job for another one.
+    static IS_WAITING: Cell<bool> = const { Cell::new(false) };
+}
+
 /// The threads of a run.
 #[derive(Resource)]
 pub struct Threads(Option<Pool>);
@@ -85,6 +92,22 @@ impl Threads {
         let mut jobs: Vec<_> = jobs.into_iter().map(|job| Job { work: Some(job), result: None }).collect();
         shared_pool.share(jobs.iter_mut().map(|job| job as &mut dyn Run).collect());
         jobs.into_iter().map(|job| job.result.expect("the pool propagates a panic of a job")).collect()
+    }
+
+    /// Waits until `is_done`, and begins further jobs of a pass meanwhile. For a job that needs the result of another job of its pass. That job
+    /// must not need what this thread still has to do.
+    pub(crate) fn wait_until(&self, is_done: impl Fn() -> bool) {
+        if is_done() {
+            return;
+        }
+        trace::waiting(|| {
+            while !is_done() {
+                match &self.0 {
+                    Some(pool) => pool.wait_a_moment(),
+                    None => thread::yield_now(),
+                }
+            }
+        });
     }
 
     /// Runs `work` on a thread of the pool. Passes inside it then share their jobs with the other threads directly,
@@ -159,6 +182,14 @@ impl Pool {
         has_worked
     }
 
+    /// Runs a pending job, or else yields the core, in a job that waits. A request to poll that this thread gets meanwhile is put off: it would
+    /// keep the thread from the end of its wait.
+    fn wait_a_moment(&self) {
+        let before = IS_WAITING.replace(true);
+        self.run_pending_job();
+        IS_WAITING.set(before);
+    }
+
     /// Wakes the sleeping threads.
     fn wake(&self) {
         if self.may_sleep.swap(false, Ordering::Relaxed) {
@@ -174,13 +205,15 @@ impl Pool {
 
     /// Runs jobs until there have been none for a while.
     fn poll_for_jobs(&self) {
-        thread_local! {
-            static IS_POLLING: Cell<bool> = const { Cell::new(false) };
-        }
         // A thread may receive this request while it is already polling.
-        if IS_POLLING.replace(true) {
+        if IS_POLLING.get() {
             return;
         }
+        if IS_WAITING.get() {
+            self.may_sleep.store(true, Ordering::Relaxed);
+            return;
+        }
+        IS_POLLING.set(true);
         let mut last = Instant::now();
         while last.elapsed() < POLL_TIME {
             if self.run_pending_job() {

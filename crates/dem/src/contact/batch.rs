@@ -69,7 +69,7 @@ fn near_event<L: PairLaw<V> + LawRequirements, V: Space>(
 pub struct Batch<V: Space> {
     /// Number of contacts.
     pub len: usize,
-    /// Slots of i and j.
+    /// The pairs. If both are particles, i is the one in the lower slot.
     pub pairs: PerLane<Candidate>,
     pub bodies: Bodies<V>,
     pub spins: Spins<V>,
@@ -425,7 +425,7 @@ mod tests {
             }
             batch.take_marks(unmark, instructions);
             assert_eq!(batch.lone, 0b100_0010);
-            assert_eq!(batch.pairs[1].both(), [1, 9]);
+            assert_eq!(batch.pairs[1].row_and_partner(), [1, 9]);
             assert_eq!(batch.pairs[1].mark(), u64::from(!unmark));
         }
     }

@@ -6,10 +6,11 @@ use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
 use crate::contact::law::LawRequirements;
+use crate::contact::outgoing::Outgoing;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::{PairForce, Resistance};
 use crate::lanes::LANES;
-use crate::space::{Linear, Space};
+use crate::space::Space;
 use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 
 impl<V: Space> Pair<V> {
@@ -82,11 +83,6 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
     }
 }
 
-/// Reads one number of each entry, which loads the entries into the cache.
-pub(super) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) -> u64 {
-    entries.iter().fold(0, |all, entry| all ^ number(entry).to_bits())
-}
-
 /// Adds numbers to an accumulator entry.
 #[inline(always)]
 fn add<T: AddAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
@@ -125,17 +121,7 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
         self.initialised_end = end;
     }
 
-    /// Reads the sums of `entries` that lie in the own range, to load them into the cache.
-    pub(super) fn touch(&self, entries: Range<usize>) -> u64 {
-        let AccumulatorSlice { force, torque, each, .. } = &self.slice;
-        let [start, end] = [entries.start, entries.end]
-            .map(|entry| (entry.clamp(self.rows.start, self.rows.end) - self.rows.start) * each);
-        // Accumulators that the law does not need are empty.
-        let torque = torque.get(start..end).unwrap_or_default();
-        touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
-    }
-
-    /// Adds the forces of a batch to both particles, or only to the first if the second belongs to another thread.
+    /// Adds the forces of a batch to both particles, or only to that in the row if the other belongs to another thread.
     #[inline(always)]
     pub(super) fn add_to_both<C: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
@@ -150,75 +136,87 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
         let rolling = &mut **rolling_drag;
         let output = &batch.output;
         for lane in 0..batch.len.min(LANES) {
-            let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
-            let is_here = second < forces.len();
+            let [lower, row] = batch.pairs[lane].slots().map(|slot| slot.wrapping_sub(start));
+            let is_here = lower < forces.len();
             // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
             let torques_of = output.torques::<C, NUMBERS>(lane);
             let force = output.force::<NUMBERS>(lane);
-            add(&mut forces[first], force);
             if is_here {
-                subtract(&mut forces[second], force);
+                add(&mut forces[lower], force);
             }
+            subtract(&mut forces[row], force);
             if C::SPIN {
-                add(&mut torques[first], torques_of[0]);
                 if is_here {
-                    subtract(&mut torques[second], torques_of[1]);
+                    add(&mut torques[lower], torques_of[0]);
                 }
+                subtract(&mut torques[row], torques_of[1]);
             }
             if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
                 let dashpot = output.rolling_dashpot_torque.get(lane);
-                rolling[first] += dashpot;
                 if is_here {
-                    rolling[second] -= dashpot;
+                    rolling[lower] += dashpot;
                 }
+                rolling[row] -= dashpot;
             }
         }
     }
 
-    /// Adds the forces of a batch to the first particles (`SIDE` 0) or the second particles (`SIDE` 1) alone.
-    pub(crate) fn add_to_one<C: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
+    /// Adds the forces of a batch of contacts with walls to their particles.
+    pub(crate) fn add_to_rows<C: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
         let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
         let forces = force.as_chunks_mut::<NUMBERS>().0;
         let torques = torque.as_chunks_mut::<NUMBERS>().0;
         let output = &batch.output;
         for lane in 0..batch.len.min(LANES) {
-            let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
-            let force = output.force::<NUMBERS>(lane);
-            let torque = output.torques::<C, NUMBERS>(lane)[SIDE];
-            if SIDE == 0 {
-                add(&mut forces[entry], force);
-            } else {
-                subtract(&mut forces[entry], force);
-            }
-            if C::SPIN && SIDE == 0 {
-                add(&mut torques[entry], torque);
-            } else if C::SPIN {
-                subtract(&mut torques[entry], torque);
+            let entry = batch.pairs[lane].row() - self.rows.start;
+            add(&mut forces[entry], output.force::<NUMBERS>(lane));
+            if C::SPIN {
+                add(&mut torques[entry], output.torques::<C, NUMBERS>(lane)[0]);
             }
             if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
-                let dashpot = output.rolling_dashpot_torque.get(lane);
-                rolling_drag[entry] += if SIDE == 0 { dashpot } else { -dashpot };
+                rolling_drag[entry] += output.rolling_dashpot_torque.get(lane);
             }
         }
     }
 
-    /// Counts the contacts of a batch for the first particles (`FIRST`) and for the second particles (`SECOND`).
+    /// Adds the forces of a later task on own particles, and counts its contacts with them. Forces on particles of other tasks are skipped.
+    pub(super) fn receive<C: LawRequirements, const NUMBERS: usize>(&mut self, outgoing: &Outgoing<V>) {
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
+        let forces = force.as_chunks_mut::<NUMBERS>().0;
+        let torques = torque.as_chunks_mut::<NUMBERS>().0;
+        for (number, pair) in outgoing.pairs.iter().enumerate() {
+            let entry = pair.partner().wrapping_sub(self.rows.start);
+            if entry >= forces.len() {
+                continue;
+            }
+            add(&mut forces[entry], outgoing.force.as_chunks::<NUMBERS>().0[number]);
+            if C::SPIN {
+                add(&mut torques[entry], outgoing.torque.as_chunks::<NUMBERS>().0[number]);
+            }
+            if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
+                rolling_drag[entry] += outgoing.rolling_drag[number];
+            }
+            if let Some(touches) = outgoing.touches.get(number) {
+                contacts[entry] += u16::from(*touches);
+            }
+        }
+    }
+
+    /// Counts the contacts of a batch for the particles in the rows and, between particles (`BOTH`), for those in the lower slots.
     #[inline(always)]
-    pub(super) fn count<const FIRST: bool, const SECOND: bool>(&mut self, batch: &Batch<V>) {
+    pub(super) fn count<const BOTH: bool>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
         let counts = &mut *self.slice.contacts;
         let touching = batch.output.contacts();
         let mut count = |lane: usize| {
             let touches = u16::from(touching >> lane & 1 > 0);
-            let [first, second] = batch.pairs[lane].both().map(|entry| entry.wrapping_sub(start));
-            if FIRST {
-                counts[first] += touches;
-            }
-            if SECOND && let Some(count) = counts.get_mut(second) {
+            let [lower, row] = batch.pairs[lane].slots().map(|slot| slot.wrapping_sub(start));
+            counts[row] += touches;
+            if BOTH && let Some(count) = counts.get_mut(lower) {
                 *count += touches;
             }
         };
-        // Neighbouring lanes share their first particle, and each addition to it waits for the one before. So lanes of other particles come
+        // Neighbouring lanes share their row, and each addition to it waits for the one before. So lanes of other rows come
         // in between.
         let quarter = batch.len.min(LANES) / 4;
         for lane in 0..quarter {

@@ -107,7 +107,7 @@ pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, mass_roo
 
 /// Returns the geometry of two particles whose contact has ended in this step.
 pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, contact: Candidate, dt: f64) -> Pair<V> {
-    let [i, j] = contact.both();
+    let [i, j] = contact.slots();
     let separation = store.separation(store.body[i].position, store.body[j].position);
     let gathered = store.prediction.springs_exact.then(|| store.gathered(contact));
     Pair { gathered, ..pair_at(store, [i, j], separation, true, dt) }

@@ -4,9 +4,9 @@
 //! memory lives exactly as long as its contact, whatever the neighbour search does. The memory of a contact that ends
 //! is discarded. With centred contacts the pass also finds gaps that may close; their memories are empty.
 //!
-//! A contact is stored once, in the row of its lower slot and seen from the particle in that slot. Rows are slots in
-//! ascending order, each with its partners in ascending order. The force pass visits contacts in this order, so a look-up
-//! only moves a cursor forward. History blocks have [`BLOCK`] rows each, so that each thread owns whole blocks. After a
+//! A contact is stored once, as a [`Candidate`]: in the row of its higher slot, or of the particle at a wall. A contact of two particles is seen
+//! from the particle in the lower slot. Rows are slots in ascending order, each with its partners in ascending order. The force pass visits
+//! contacts in this order, so a look-up only moves a cursor forward. History blocks have [`BLOCK`] rows each, so that each thread owns whole blocks. After a
 //! renumbering, the blocks are rewritten by the previous slot of each particle.
 
 mod block;
@@ -40,10 +40,8 @@ impl History {
     /// do not touch.
     #[must_use]
     pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory> {
-        let low = i.min(j);
-        self.pair_blocks
-            .get(low / BLOCK)?
-            .look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
+        let contact = Candidate::of_slots(u32::try_from(i).ok()?, u32::try_from(j).ok()?);
+        self.pair_blocks.get(contact.row() / BLOCK)?.look_up(contact)
     }
 
     /// Returns the memory of the contact of slot `i` with a wall surface. It is empty, or `None`, if they do not touch.
@@ -114,18 +112,18 @@ impl History {
         let new_slot = |old: usize| slots.get(old).copied().flatten();
         let mut pairs = Vec::new();
         for (contact, mut memory) in self.pair_blocks.iter().flat_map(HistoryBlock::all) {
-            if let [Some(i), Some(j)] = contact.both().map(new_slot) {
+            if let [Some(i), Some(j)] = contact.slots().map(new_slot) {
                 if i > j {
                     memory = layout.seen_from_partner(&memory);
                 }
-                pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
+                pairs.push((Candidate::of_slots(i, j), memory));
             }
         }
         let on_walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
         let walls = on_walls
             .filter_map(|(contact, memory)| {
-                let wall = u32::try_from(contact.second()).ok()?;
-                Some((Candidate::new(new_slot(contact.first())?, wall), memory))
+                let wall = u32::try_from(contact.partner()).ok()?;
+                Some((Candidate::new(new_slot(contact.row())?, wall), memory))
             })
             .collect();
         rewrite(&mut self.pair_blocks, store, pairs, layout);
@@ -144,13 +142,13 @@ pub struct HistoryReader<'a> {
 }
 
 impl HistoryReader<'_> {
-    /// Returns the memory of the contact of slot `i` with a partner: a higher slot, or the index of a wall.
+    /// Returns the memory of the contact of a row with a partner: a lower slot, or the index of a wall.
     #[inline]
     #[must_use]
-    pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory> {
-        let contact = Candidate::new(u32::try_from(i).ok()?, u32::try_from(partner).ok()?);
-        if i / BLOCK != self.block {
-            (self.block, self.position) = (i / BLOCK, 0);
+    pub fn look_up(&mut self, row: usize, partner: usize) -> Option<Memory> {
+        let contact = Candidate::new(u32::try_from(row).ok()?, u32::try_from(partner).ok()?);
+        if row / BLOCK != self.block {
+            (self.block, self.position) = (row / BLOCK, 0);
         }
         self.blocks.get(self.block)?.look_up_next(&mut self.position, contact)
     }
@@ -174,7 +172,7 @@ fn rewrite<V: Space>(
     blocks.clear();
     let blocks = resized(blocks, store);
     for (contact, memory) in &contacts {
-        blocks[contact.first() / BLOCK].push(layout, *contact, memory);
+        blocks[contact.row() / BLOCK].push(layout, *contact, memory);
     }
 }
 
@@ -227,7 +225,7 @@ pub(super) mod tests {
     #[test]
     fn a_memory_passes_to_another_wall_without_one() {
         let springs = |page: &HistoryBlock| {
-            page.all().map(|(contact, memory)| (contact.both(), memory.numbers[0])).collect::<Vec<_>>()
+            page.all().map(|(contact, memory)| (contact.row_and_partner(), memory.numbers[0])).collect::<Vec<_>>()
         };
         let block = |springs: &[([u32; 2], f64)]| {
             let mut page = HistoryBlock::default();
@@ -254,7 +252,7 @@ pub(super) mod tests {
         let before = store(&old, &[]);
         let mut history = History::default();
         history.move_to_new_slots(&before, SPRINGS);
-        for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
+        for (contact, spring) in [([1, 0], 0.1), ([1024, 1023], 2.5), ([1501, 1500], 5.2), ([2999, 1], 1.5)] {
             history.blocks_mut(&before).0[contact[0] as usize / BLOCK].push(SPRINGS, contact.into(), &memory(spring));
         }
         history.blocks_mut(&before).1[1500 / BLOCK].push(SPRINGS, [1500, 2].into(), &memory(7.0));
@@ -271,8 +269,9 @@ pub(super) mod tests {
         assert_eq!(spring(5, 10), None);
         assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.numbers[0]), Some(7.0));
         let mut reader = history.read_pairs();
-        for [i, j] in history.pair_blocks.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
-            assert_eq!(reader.look_up(i, j), history.of_pair(i, j));
+        for (contact, _) in history.pair_blocks.iter().flat_map(HistoryBlock::all) {
+            let [row, partner] = contact.row_and_partner();
+            assert_eq!(reader.look_up(row, partner), history.of_pair(partner, row));
         }
         let kept: usize = history.pair_blocks.iter().map(HistoryBlock::len).sum();
         assert_eq!(kept, 3);

@@ -33,6 +33,7 @@ pub(crate) mod law;
 pub mod linear;
 pub mod memory;
 mod needs;
+mod outgoing;
 pub(crate) mod pair;
 pub(crate) mod pair_force;
 pub(crate) mod plugin;

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::batch_law::AnyLaw;
-use crate::contact::force_pass::{ForcePass, KeptScratches, ScratchPerThread};
+use crate::contact::force_pass::{ForcePass, ScratchPerThread};
 use crate::contact::history::History;
 use crate::contact::history::remembered::RememberedContacts;
 use crate::contact::law::{LawRequirements, PairLaw};
@@ -73,9 +73,7 @@ fn contact_forces<V: Space>(
     };
     let has_torques = needs.torques != TorqueClass::None || !store.bodies.is_empty();
     store.stale.add(if has_torques { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
-    let kept = KeptScratches { scratches: &mut scratches.0, history_unchanged: !history.is_changed() };
-    let history = history.bypass_change_detection();
-    largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
+    largest.0 = pass.sum(&mut store, &mut history, &threads, &mut scratches.0, largest.0);
     if !walls.all.is_empty() {
         walls.set_loads(scratches.0.iter().flat_map(|scratch| &scratch.on_walls));
         near.note(walls.last_changed());

@@ -8,12 +8,10 @@ use crate::store::ParticleStore;
 /// Lists every pair that may touch.
 pub(super) fn find<V: Space>(store: &ParticleStore<V>, list: &mut PairList) {
     list.clear();
-    for i in 0..store.len() {
-        if !store.is_fixed(i) {
-            for (j, row) in (0u32..).zip(0..store.len()).skip(i + 1) {
-                if store.may_touch(i, row) {
-                    list.push(j);
-                }
+    for j in 0..store.len() {
+        for (partner, i) in (0u32..).zip(0..j.min(store.free_end)) {
+            if store.may_touch(i, j) {
+                list.push(partner);
             }
         }
         list.end_row();

@@ -219,19 +219,18 @@ impl<V: Space> Cells<V> {
     /// Lists every pair that may touch.
     pub(super) fn find(&self, store: &ParticleStore<V>, list: &mut PairList) {
         list.clear();
-        for i in 0..store.len() {
-            if !store.is_fixed(i) {
-                let wants = |j: u32| j as usize > i;
-                let consider = |j: u32| {
-                    if store.may_touch(i, j as usize) {
-                        list.push(j);
-                    }
-                };
-                if self.reach <= MAX_REACH {
-                    self.around(i, self.reach, wants, consider);
-                } else {
-                    (0u32..).take(store.len()).filter(|&j| wants(j)).for_each(consider);
+        for j in 0..store.len() {
+            let partners = j.min(store.free_end);
+            let wants = |i: u32| (i as usize) < partners;
+            let consider = |i: u32| {
+                if store.may_touch(i as usize, j) {
+                    list.push(i);
                 }
+            };
+            if self.reach <= MAX_REACH {
+                self.around(j, self.reach, wants, consider);
+            } else {
+                (0u32..).take(partners).for_each(consider);
             }
             list.end_row();
         }

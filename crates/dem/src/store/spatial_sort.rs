@@ -70,14 +70,6 @@ impl SpatialOrder {
         if has_axes && has_beam && self.cell > 0.0 { Ok(()) } else { Err("its spatial order is none".to_owned()) }
     }
 
-    /// With beams: the distance, in slots, between a grain and its contact partners in the next slice, which is two
-    /// slices. Without beams: `None`.
-    #[must_use]
-    pub fn ahead(&self) -> Option<usize> {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
-        self.beam.map(|_| 2 * GRAINS_PER_SLICE as usize)
-    }
-
     /// The place of `x` (m) in the order.
     #[must_use]
     #[inline]
@@ -103,7 +95,6 @@ mod tests {
         let grains = [Solid::new(0.0, 0.0, 0.0), Solid::new(2.0, 1.0, 7.0)];
         let order = SpatialOrder::of(grains.into_iter(), 0.5);
         assert_eq!(order.place(Solid::new(0.6, 1.2, 3.1)), [0, 6, 1, 2]);
-        assert_eq!(order.ahead(), None);
     }
 
     #[test]
@@ -113,7 +104,6 @@ mod tests {
         let order = SpatialOrder::of(grains.into_iter(), 1.0);
         assert_eq!(order.place(Solid::new(3.5, 70.5, 17.5)), [1, 70, 17, 3]);
         assert_eq!(order.place(Solid::new(3.5, 70.5, 18.5)), [2, 70, 18, 3]);
-        assert_eq!(order.ahead(), Some(768));
         // Beams keep the smallest width, however deep the slices are.
         let order = SpatialOrder::of([Solid::ZERO, Solid::new(900.0, 900.0, 1000.0)].into_iter(), 1.0);
         assert_eq!(order.place(Solid::new(8.5, 1.5, 3.5))[0], 1);

@@ -19,7 +19,7 @@ impl<V: Space> Survey<'_, V> {
     /// no bit depends on the number of threads.
     #[must_use]
     pub fn whole_elastic_energy(&self, threads: &Threads) -> f64 {
-        let blocks = self.search.list.pairs().chunk_by(|a, b| a.first() / BLOCK == b.first() / BLOCK);
+        let blocks = self.search.list.pairs().chunk_by(|a, b| a.row() / BLOCK == b.row() / BLOCK);
         let parts = blocks.map(Some).chain([None]).map(|block| {
             move || {
                 let mut energy = 0.0;

@@ -124,9 +124,9 @@ impl<'a, V: Space> Survey<'a, V> {
             }
         };
         if let Some(near) = self.near {
-            for row in near.chunk_by(|a, b| a.first() == b.first()).filter(|row| !store.is_fixed(row[0].first())) {
-                let i = row[0].first();
-                visit_contacts(i, self.contacts_with(i, row.iter().map(|pair| pair.second())));
+            for row in near.chunk_by(|a, b| a.row() == b.row()).filter(|row| !store.is_fixed(row[0].row())) {
+                let i = row[0].row();
+                visit_contacts(i, self.contacts_with(i, row.iter().map(|pair| pair.partner())));
             }
         } else {
             for i in store.free_rows() {
@@ -168,10 +168,10 @@ impl<'a, V: Space> Survey<'a, V> {
     ) {
         let root = self.law.needs_mass_root();
         let mut memories = self.history.read_pairs();
-        let candidates = candidates.iter().map(|candidate| candidate.both());
+        let candidates = candidates.iter().map(|candidate| candidate.slots());
         for [i, j] in candidates.filter(|&[i, j]| accepts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(self.store, i, j, root) {
-                let memory = memories.look_up(i, j).unwrap_or_default();
+                let memory = memories.look_up(j, i).unwrap_or_default();
                 if self.exists(&pair, || memory) {
                     visit(i, Partner::Particle(j), &pair, &memory);
                 }

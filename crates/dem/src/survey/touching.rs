@@ -23,12 +23,12 @@ pub struct Touching<'a, V: Space = Plane> {
 }
 
 impl<'a, V: Space> Survey<'a, V> {
-    /// Iterates over all contacts of particles that are present: first between particles, in ascending order of slots,
-    /// then with wall surfaces.
+    /// Iterates over all contacts of particles that are present: first between particles, in ascending order of the
+    /// higher slot, then of the lower one; then with wall surfaces.
     pub fn touching(self) -> impl Iterator<Item = Touching<'a, V>> {
         let store = self.store;
         let between = self.search.list.pairs().iter().filter_map(move |candidate| {
-            let [i, j] = candidate.both();
+            let [i, j] = candidate.slots();
             let pair = geometry::touching(store, i, j, self.law.needs_mass_root());
             let are_present = store.is_present(i) && store.is_present(j);
             let touching = Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? };

@@ -43,7 +43,7 @@ impl<V: Space> Survey<'_, V> {
         let mut wall_cursor = self.history.read_walls();
         self.touching().for_each(|contact| {
             let memory = match contact.partner() {
-                Partner::Particle(j) => pair_cursor.look_up(contact.row(), j),
+                Partner::Particle(j) => pair_cursor.look_up(j, contact.row()),
                 Partner::Wall(wall) => wall_cursor.look_up(contact.row(), wall),
             };
             let state = contact.state_with(&memory.unwrap_or_default(), dt);

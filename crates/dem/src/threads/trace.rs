@@ -1,5 +1,6 @@
 //! Where the time of shared passes goes: the work of each thread, and waiting. A run has no trace unless a benchmark asks for it.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -62,6 +63,19 @@ impl Trace {
     }
 }
 
+thread_local! {
+    /// Time for which jobs of this thread have waited for other jobs.
+    static WAITED: Cell<Duration> = const { Cell::new(Duration::ZERO) };
+}
+
+/// Waits, and notes for how long. Jobs that this thread does meanwhile have clocks of their own, so their waiting does not count again.
+pub(super) fn waiting(wait: impl FnOnce()) {
+    let before = WAITED.get();
+    let begin = Instant::now();
+    wait();
+    WAITED.set(before + begin.elapsed());
+}
+
 /// The clock of one pass.
 #[derive(Debug)]
 pub(super) struct PassClock {
@@ -71,11 +85,13 @@ pub(super) struct PassClock {
 }
 
 impl PassClock {
-    /// Does a job on the thread with this index, and adds its time.
+    /// Does a job on the thread with this index, and adds its time without that of waiting.
     pub(super) fn time(&self, thread: usize, job: impl FnOnce()) {
+        let waited = WAITED.get();
         let begin = Instant::now();
         job();
-        let spent = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        let spent = begin.elapsed().saturating_sub(WAITED.get().saturating_sub(waited));
+        let spent = u64::try_from(spent.as_nanos()).unwrap_or(u64::MAX);
         if let Some(sum) = self.work.get(thread) {
             sum.fetch_add(spent, Ordering::Relaxed);
         }

@@ -73,7 +73,7 @@ impl<V: Space> Batch<V> {
                 while end < LANES
                     && let Some(&candidate) = left.next()
                 {
-                    let [i, j] = candidate.both();
+                    let [i, j] = candidate.slots();
                     self.pairs[end] = candidate;
                     let Approach { squared, reach } =
                         self.bodies.take::<INDIVIDUAL>(end, &metric, [&bodies[i], &bodies[j]]);
@@ -126,7 +126,7 @@ mod tests {
                 .map(|margin| 0.01 + margin)
                 .collect();
         }
-        let candidates: Vec<_> = (1..=others.len()).map(|j| Candidate::new(0, j.try_into().unwrap())).collect();
+        let candidates: Vec<_> = (1..=others.len()).map(|j| Candidate::of_slots(0, j.try_into().unwrap())).collect();
         let all = InstructionSet::all().into_iter().map(|instructions| {
             let mut batch = Batch::<V>::default();
             let mut left = &candidates[..];
@@ -134,7 +134,7 @@ mod tests {
             while !left.is_empty() {
                 left = batch.select(&store, left, needs, instructions);
                 assert!(batch.len == LANES || left.is_empty());
-                found.extend(batch.pairs[..batch.len].iter().map(|pair| pair.second()));
+                found.extend(batch.pairs[..batch.len].iter().map(|pair| pair.row()));
                 batch.len = 0;
             }
             found

@@ -10,7 +10,7 @@ impl<V: Space> ParticleStore<V> {
     /// Turns a contact of two particles with predicted velocities into one with the velocities in the middle of the step
     /// and their prediction.
     pub(in crate::contact) fn predict_pair(&self, contact: Candidate, pair: &mut Pair<V>) {
-        let [i, j] = contact.both();
+        let [i, j] = contact.slots();
         // Differences of the two, so that they change their sign exactly if i and j are exchanged.
         pair.relative_velocity = self.middle_velocity(i) - self.middle_velocity(j);
         pair.ahead.velocity = self.gain(i) - self.gain(j);
@@ -37,7 +37,7 @@ impl<V: Space> ParticleStore<V> {
     /// Returns the velocities of two particles in the middle of the step.
     #[inline(always)]
     pub(in crate::contact) fn gathered(&self, contact: Candidate) -> Gathered<V> {
-        let [i, j] = contact.both();
+        let [i, j] = contact.slots();
         Gathered {
             relative_velocity: self.middle_velocity(i) - self.middle_velocity(j),
             spins: [self.middle_spin(i), self.middle_spin(j)],

@@ -29,7 +29,7 @@ impl<V: Space> ForcePass<'_, V> {
         contact: Candidate,
         memory: &Memory,
     ) -> EndLosses {
-        let [i, wall] = contact.both();
+        let [i, wall] = contact.row_and_partner();
         if !(self.walls[wall].is_present && store.tracks_energy) || memory.is_empty() {
             return EndLosses::default();
         }

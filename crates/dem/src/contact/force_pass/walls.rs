@@ -16,23 +16,23 @@ use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surface_wall::WallLoad;
 
 impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
-    /// Sums the contacts between walls and the rows before `end` that have not been summed yet.
+    /// Sums the contacts between walls and the rows of a block, which ends before `end`.
     pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_>) {
         let pass = self.pass;
-        let count = self.near.partition_point(|contact| contact.first() < end);
+        let count = self.near.partition_point(|contact| contact.row() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
         let view = self.view;
         let walls = pass.walls;
         let reach = WallReach { mass_root: self.mass_root, ahead: view.prediction.velocities_ahead };
         let mut contacts = WallContacts::default();
         let has_images = pass.needs.memory.is_some() && !pass.twins.is_empty();
-        for row in near.chunk_by(|a, b| a.first() == b.first()) {
-            let i = row[0].first();
+        for row in near.chunk_by(|a, b| a.row() == b.row()) {
+            let i = row[0].row();
             if has_images {
                 self.follow_through_sides(row, reach, &mut block);
             }
             if let &[contact] = row {
-                if let Some(pair) = touching_wall(view, i, &walls[contact.second()], reach) {
+                if let Some(pair) = touching_wall(view, i, &walls[contact.partner()], reach) {
                     self.push_wall(contact, &pair, &mut block);
                 }
                 continue;
@@ -43,7 +43,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
                     block.cursor.rename(row[0].with_partner(from), to);
                 }
             };
-            contacts.find(view, i, (walls, row.iter().map(|contact| contact.second())), reach.ahead, follow);
+            contacts.find(view, i, (walls, row.iter().map(|contact| contact.partner())), reach.ahead, follow);
             for (wall, pair) in contacts.pairs(view, i, walls, reach.mass_root) {
                 self.push_wall(row[0].with_partner(wall), &pair, &mut block);
             }
@@ -60,12 +60,12 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     fn follow_through_sides(&self, row: &[Candidate], reach: WallReach, block: &mut Block<'_>) {
         let view = self.view;
         let ForcePass { walls, twins, .. } = self.pass;
-        let touches = |wall: usize| touching_wall(view, row[0].first(), &walls[wall], reach).is_some();
+        let touches = |wall: usize| touching_wall(view, row[0].row(), &walls[wall], reach).is_some();
         for contact in row {
-            for other in twins.of_surface(contact.second()) {
+            for other in twins.of_surface(contact.partner()) {
                 let former = contact.with_partner(other);
-                if block.cursor.remembers(former) && touches(contact.second()) && !touches(other) {
-                    block.cursor.rename(former, contact.second());
+                if block.cursor.remembers(former) && touches(contact.partner()) && !touches(other) {
+                    block.cursor.rename(former, contact.partner());
                 }
             }
         }
@@ -76,13 +76,12 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     fn push_wall(&mut self, contact: Candidate, pair: &Pair<V>, block: &mut Block<'_>) {
         let view = self.view;
         if view.predicts() {
-            self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
+            self.batch.lone |= u64::from(view.prediction.lone[contact.row()]) << self.batch.len;
         }
         if self.gathers() {
-            self.batch.gathered.set(
-                self.batch.len,
-                view.gathered_with_wall(contact.first(), &self.pass.walls[contact.second()], pair),
-            );
+            self.batch
+                .gathered
+                .set(self.batch.len, view.gathered_with_wall(contact.row(), &self.pass.walls[contact.partner()], pair));
         }
         self.batch.push::<C>(contact, pair);
         if self.batch.len == LANES {
@@ -100,7 +99,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
         let predict = |store: &ParticleStore<V>, contact: Candidate, pair: &mut Pair<V>| {
-            store.predict_with_wall(contact.first(), &pass.walls[contact.second()], pair);
+            store.predict_with_wall(contact.row(), &pass.walls[contact.partner()], pair);
         };
         if self.evaluate_law(1.0, &predict) {
             for lane in 0..self.batch.len {
@@ -120,14 +119,14 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Adds the forces of the batch to grains and walls; `NUMBERS` per accumulator entry.
     fn add_to_walls<const NUMBERS: usize>(&mut self) {
         let Self { sums, batch, on_walls, pass, view, .. } = self;
-        sums.add_to_one::<C, NUMBERS, 0>(batch);
+        sums.add_to_rows::<C, NUMBERS>(batch);
         if pass.counts {
-            sums.count::<true, false>(batch);
+            sums.count::<false>(batch);
         }
         // Neighbouring particles often touch the same wall.
         let mut sum: Option<(usize, WallLoad<V>)> = None;
         for lane in (0..batch.len).filter(|&lane| batch.output.is_contact(lane)) {
-            let [i, wall] = batch.pairs[lane].both();
+            let [i, wall] = batch.pairs[lane].row_and_partner();
             let force = batch.output.force::<NUMBERS>(lane);
             let body = &view.body[i];
             let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);

@@ -4,17 +4,17 @@ use std::marker::PhantomData;
 
 use crate::contact::batch::{Batch, Call, EventStep, Predict, Velocities};
 use crate::contact::force_accumulation::ForceAccumulation;
+use crate::contact::force_pass::exchange::Exchange;
 use crate::contact::force_pass::input::ForcePass;
-use crate::contact::force_pass::thread_scratch::HaloImport;
 use crate::contact::geometry::coincident;
 use crate::contact::history::losses::{ContactLosses, EndLosses};
 use crate::contact::history::{HistoryBlock, HistoryCursor};
 use crate::contact::law::LawRequirements;
 use crate::contact::memory::{Memory, MemoryLayout};
+use crate::contact::outgoing::Outgoing;
 use crate::contact::pair::MemoryTimes;
 use crate::lanes::LANES;
-use crate::neighbours::list::BLOCK;
-use crate::neighbours::list::{self, Candidate, Task};
+use crate::neighbours::list::{BLOCK, Candidate, Task};
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surface_wall::WallLoad;
@@ -23,10 +23,9 @@ use crate::walls::surface_wall::WallLoad;
 pub(super) struct Worker<'a, V: Space, C> {
     pub(super) pass: &'a ForcePass<'a, V>,
     pub(super) view: &'a ParticleStore<V>,
-    pub(super) task: &'a Task,
-    pub(super) halo: HaloImport<'a>,
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
+    outgoing: &'a mut Outgoing<V>,
     pub(super) largest: f64,
     /// Pairs of an own row and a wall that may touch and are not yet summed.
     pub(super) near: &'a [Candidate],
@@ -39,34 +38,39 @@ pub(super) struct Worker<'a, V: Space, C> {
     class: PhantomData<fn() -> C>,
 }
 
-/// The contacts that one thread evaluates.
-pub(super) struct OwnContacts<'a> {
-    pub(super) task: &'a Task,
-    pub(super) halo: HaloImport<'a>,
-    /// Pairs of an own row and a wall that may touch.
-    pub(super) near: &'a [Candidate],
+/// The contact history of one task.
+pub(super) struct OwnHistories<'a> {
+    /// The blocks of contacts between particles.
+    pub(super) pairs: &'a mut [HistoryBlock],
+    /// The blocks of contacts with walls.
+    pub(super) walls: &'a mut [HistoryBlock],
+    /// A block for those that are rewritten.
+    pub(super) spare: &'a mut HistoryBlock,
 }
 
-/// The data that one thread writes.
+/// The data that one thread writes besides.
 pub(super) struct OwnOutput<'a, V: Space> {
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
+    pub(super) outgoing: &'a mut Outgoing<V>,
     pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
 }
 
 impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
+    /// `near` has the pairs of an own row and a wall that may touch. `largest` is the largest overlap so far by the smaller radius of its pair.
     pub(super) fn new(
         pass: &'a ForcePass<'a, V>,
         view: &'a ParticleStore<V>,
-        contacts: OwnContacts<'a>,
-        output: OwnOutput<'a, V>,
+        near: &'a [Candidate],
+        OwnOutput { sums, batch, outgoing, on_walls }: OwnOutput<'a, V>,
         largest: f64,
     ) -> Self {
-        let OwnContacts { task, halo, near } = contacts;
-        let OwnOutput { sums, batch, on_walls } = output;
+        outgoing.clear();
+        on_walls.clear();
         let event_time = pass.law.overlap_without_events() * view.prediction.velocities_ahead;
         let mass_root = pass.law.needs_mass_root();
-        Self { pass, view, task, halo, sums, batch, largest, near, on_walls, mass_root, event_time, class: PhantomData }
+        let class = PhantomData;
+        Self { pass, view, sums, batch, outgoing, largest, near, on_walls, mass_root, event_time, class }
     }
 
     /// Returns the layout of the memories.
@@ -74,41 +78,46 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         self.pass.needs.memory.as_ref().unwrap_or(&MemoryLayout::NONE)
     }
 
-    /// Sums the forces on own rows, with the given history blocks. Returns the largest overlap so far divided by the
-    /// smaller radius of its pair.
-    pub(super) fn sum(
-        mut self,
-        pair_histories: &mut [HistoryBlock],
-        wall_histories: &mut [HistoryBlock],
-        spare: &mut HistoryBlock,
-    ) -> f64 {
-        let gravity = self.pass.gravity;
-        self.sums.initialise(list::end_of(&self.task.incoming), gravity, self.view);
-        let mut left = &self.task.incoming[..];
-        while !left.is_empty() {
-            left = self.fill_batch(left);
-            self.flush_incoming();
-        }
-        let mut prefetched_end = self.task.rows.start;
-        let blocks = pair_histories.iter_mut().zip(wall_histories).zip(self.task.rows.clone().step_by(BLOCK));
-        for ((pair_history, wall_history), first) in blocks {
-            let mut block = Block::new(pair_history, spare, self.layout());
-            let (mut left, end) = self.pass.list.block(first / BLOCK);
+    /// Evaluates the pairs of own rows and sums the forces on them, with the given history blocks. Returns the largest overlap so far divided
+    /// by the smaller radius of its pair.
+    pub(super) fn sum(mut self, histories: OwnHistories<'_>, exchange: &Exchange<'_, V>) -> f64 {
+        let Task { rows, reaching_end, .. } = exchange.task();
+        let OwnHistories { pairs, walls, spare } = histories;
+        let blocks = || rows.clone().step_by(BLOCK);
+        for (history, first) in pairs.iter_mut().zip(blocks()) {
+            if first >= *reaching_end {
+                exchange.post(self.outgoing);
+            }
             // Sums are initialised block by block, so that they are still in the cache when forces are added.
-            self.sums.initialise(end, gravity, self.view);
-            prefetched_end = self.prefetch(prefetched_end, first + BLOCK);
-            while !left.is_empty() {
-                left = self.fill_batch(left);
-                self.flush(&mut block);
-            }
-            block.end(|contact, memory| self.pass.on_contact_end(self.view, contact, memory));
-            if !self.pass.walls.is_empty() {
-                self.sums.initialise(first + BLOCK, gravity, self.view);
-                self.sum_walls(first + BLOCK, Block::new(wall_history, spare, self.layout()));
+            self.sums.initialise(first + BLOCK, self.pass.gravity, self.view);
+            let (candidates, lowest) = self.pass.list.block(first / BLOCK);
+            let foreign_end = if lowest < rows.start { rows.start } else { 0 };
+            self.sum_pairs(candidates, Block::new(history, spare, self.layout()), foreign_end);
+        }
+        exchange.post(self.outgoing);
+        for outgoing in exchange.incoming() {
+            if self.view.tracks_energy {
+                self.sums.receive::<C, TOTAL_AND_DISSIPATIVE>(outgoing);
+            } else {
+                self.sums.receive::<C, TOTAL>(outgoing);
             }
         }
-        self.sums.initialise(self.task.rows.end, gravity, self.view);
+        if !self.pass.walls.is_empty() {
+            for (history, first) in walls.iter_mut().zip(blocks()) {
+                self.sum_walls(first + BLOCK, Block::new(history, spare, self.layout()));
+            }
+        }
         self.largest
+    }
+
+    /// Sums the contacts between particles of a block of rows. Particles in slots before `foreign_end` belong to earlier tasks; 0 if the block
+    /// has none.
+    fn sum_pairs(&mut self, mut candidates: &[Candidate], mut block: Block<'_>, foreign_end: usize) {
+        while !candidates.is_empty() {
+            candidates = self.fill_batch(candidates);
+            self.flush(&mut block, foreign_end);
+        }
+        block.end(|contact, memory| self.pass.on_contact_end(self.view, contact, memory));
     }
 
     /// Adds candidates to the batch until it is full. Returns the candidates that are left.
@@ -149,12 +158,12 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             || {
                 let lanes = batch.len.min(LANES);
                 for lane in 0..if needs_species { lanes } else { 0 } {
-                    for (side, entry) in batch.pairs[lane].both().into_iter().enumerate() {
+                    for (side, entry) in batch.pairs[lane].slots().into_iter().enumerate() {
                         batch.species[side][lane] = species[entry];
                     }
                 }
                 for lane in 0..if C::SPIN { lanes } else { 0 } {
-                    batch.spins.take(lane, batch.pairs[lane].both().map(|entry| &rotations[entry]));
+                    batch.spins.take(lane, batch.pairs[lane].slots().map(|entry| &rotations[entry]));
                 }
                 for lane in 0..if gathers { lanes } else { 0 } {
                     batch.gathered.set(lane, view.gathered(batch.pairs[lane]));
@@ -171,7 +180,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         if self.batch.bodies.measure(lanes, self.pass.needs.bodies, self.mass_root, self.pass.instructions) {
             let id = &self.view.id;
             let pairs = &self.batch.pairs;
-            let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
+            let normal = |lane: usize| coincident(id[pairs[lane].partner()], id[pairs[lane].row()]);
             self.batch.bodies.part_coincident(self.batch.len, normal);
         }
         if self.pass.needs.memory.is_none() {
@@ -180,7 +189,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         // A possible record is detected without division and without the two radii.
         if self.evaluate_law(self.view.smallest_share, &ParticleStore::predict_pair) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
-                let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
+                let [i, j] = pair.slots().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
             }
         }
@@ -215,30 +224,9 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         evaluated.deeper > 0
     }
 
-    /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
-    fn flush_incoming(&mut self) {
-        if self.pass.needs.memory.is_some() {
-            self.take_marks();
-            let layout = self.layout();
-            let Batch { pairs, memory, len, .. } = &mut *self.batch;
-            for (lane, &contact) in pairs.iter().enumerate().take(*len) {
-                self.halo.load(contact, layout, lane, memory);
-            }
-        }
-        self.evaluate_batch();
-        if self.view.tracks_energy {
-            self.sums.add_to_one::<C, TOTAL_AND_DISSIPATIVE, 1>(self.batch);
-        } else {
-            self.sums.add_to_one::<C, TOTAL, 1>(self.batch);
-        }
-        if self.pass.counts {
-            self.sums.count::<false, true>(self.batch);
-        }
-        self.batch.len = 0;
-    }
-
-    /// Evaluates the batch, adds its forces to both particles, and stores memories and losses.
-    fn flush(&mut self, block: &mut Block<'_>) {
+    /// Evaluates the batch, adds its forces to both particles, and stores memories and losses. Forces on particles in slots before
+    /// `foreign_end` go to their tasks.
+    fn flush(&mut self, block: &mut Block<'_>, foreign_end: usize) {
         if self.pass.needs.memory.is_some() {
             self.take_marks();
             let Block { cursor, lost, .. } = block;
@@ -250,8 +238,8 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         block.touching += self.batch.touching();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
-        let sums = &mut self.sums;
         let batch = &*self.batch;
+        let sums = &mut self.sums;
         self.pass.instructions.run_narrow(
             #[inline(always)]
             || {
@@ -262,8 +250,14 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
                 }
             },
         );
-        if self.pass.counts {
-            self.sums.count::<true, true>(self.batch);
+        let counts = self.pass.counts;
+        if counts {
+            self.sums.count::<true>(batch);
+        }
+        match (foreign_end, tracks_energy) {
+            (0, _) => {}
+            (_, true) => self.outgoing.extend::<C, TOTAL_AND_DISSIPATIVE>(batch, foreign_end, counts),
+            (_, false) => self.outgoing.extend::<C, TOTAL>(batch, foreign_end, counts),
         }
         self.batch.len = 0;
     }

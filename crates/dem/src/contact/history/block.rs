@@ -51,7 +51,7 @@ impl HistoryBlock {
     }
 
     /// Whether the block is one that a pass of this scene can have left. Its contacts must belong to the rows `own`, be ascending without a
-    /// repeat, and have partners below `partners`; if `are_pairs`, partners must come after the row. Their memories must have the layout
+    /// repeat, and have partners below `partners`; if `are_pairs`, partners must come before the row. Their memories must have the layout
     /// of the law. For a law without memory, `None`, the block must be empty.
     pub(super) fn fits(
         &self,
@@ -61,8 +61,8 @@ impl HistoryBlock {
         layout: Option<&MemoryLayout>,
     ) -> bool {
         let fits = |contact: &Candidate| {
-            let [row, partner] = contact.both();
-            own.contains(&row) && partner < partners && !(are_pairs && partner <= row)
+            let [row, partner] = contact.row_and_partner();
+            own.contains(&row) && partner < partners && !(are_pairs && partner >= row)
         };
         let none = MemoryLayout::default();
         let MemoryLayout { count, keeps_existence, .. } = *layout.unwrap_or(&none);
@@ -153,18 +153,6 @@ impl HistoryBlock {
         swap(&mut self.exists, one, two);
     }
 
-    /// Appends the contacts of `others` for which `is_wanted` returns true. They must come after the last one in order.
-    pub(in crate::contact) fn copy(
-        &mut self,
-        layout: &MemoryLayout,
-        others: &Self,
-        is_wanted: impl Fn(Candidate) -> bool,
-    ) {
-        for (at, &contact) in others.contacts.iter().enumerate().filter(|&(_, &contact)| is_wanted(contact)) {
-            self.push(layout, contact, &others.memory(at));
-        }
-    }
-
     /// Appends the contacts of a batch with their memories.
     #[inline]
     pub(super) fn extend(&mut self, layout: &MemoryLayout, contacts: &[Candidate], memories: &MemoryLanes) {
@@ -239,23 +227,15 @@ impl HistoryBlock {
         Some(self.memory(self.contacts.binary_search(&contact).ok()?))
     }
 
-    /// Returns the position of a contact, for calls in ascending order of contacts. `from` is the position of the last
-    /// look-up; start with 0.
-    #[inline]
-    #[must_use]
-    pub(in crate::contact) fn next_position(&self, from: &mut usize, contact: Candidate) -> Option<usize> {
-        while self.contacts.get(*from).is_some_and(|&before| before < contact) {
-            *from += 1;
-        }
-        (self.contacts.get(*from) == Some(&contact)).then_some(*from)
-    }
-
     /// Returns the memory of a contact, for calls in ascending order of contacts. `from` is the position of the last
     /// look-up; start with 0.
     #[inline]
     #[must_use]
     pub fn look_up_next(&self, from: &mut usize, contact: Candidate) -> Option<Memory> {
-        self.next_position(from, contact).map(|at| self.memory(at))
+        while self.contacts.get(*from).is_some_and(|&before| before < contact) {
+            *from += 1;
+        }
+        (self.contacts.get(*from) == Some(&contact)).then(|| self.memory(*from))
     }
 
     /// Returns every contact with its memory.

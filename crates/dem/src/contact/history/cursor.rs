@@ -150,7 +150,7 @@ mod tests {
     }
 
     fn springs(block: &HistoryBlock) -> Vec<([usize; 2], f64)> {
-        block.all().map(|(contact, memory)| (contact.both(), memory.numbers[0])).collect()
+        block.all().map(|(contact, memory)| (contact.row_and_partner(), memory.numbers[0])).collect()
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         }
         assert!(!cursor.recall(pair([0, 2]), 0, &mut memories, |_, _| panic!("no contact has ended")));
         assert_eq!(memories.memory(SPRINGS, 0), memory(0.0));
-        let ended = |contact: Candidate, memory: &Memory| gone.push((contact.both(), memory.numbers[0]));
+        let ended = |contact: Candidate, memory: &Memory| gone.push((contact.row_and_partner(), memory.numbers[0]));
         assert!(cursor.recall(pair([1, 2]), 1, &mut memories, ended));
         assert_eq!((memories.memory(SPRINGS, 1), &gone[..]), (memory(0.3), &[([0, 3], 0.2)][..]));
         [5.0, 6.0].into_iter().enumerate().for_each(|(lane, spring)| memories.numbers[0][lane] = spring);

@@ -252,9 +252,9 @@ impl History {
         let number_in_shape = |slot: usize| store.bodies.sphere(slot).map(|sphere| sphere.number);
         let are_present = |slots: &[usize]| slots.iter().all(|&slot| store.is_present(slot));
         let pairs = self.pair_blocks.iter().flat_map(HistoryBlock::all);
-        let pairs = pairs.filter(|(contact, memory)| are_present(&contact.both()) && !memory.is_empty());
+        let pairs = pairs.filter(|(contact, memory)| are_present(&contact.slots()) && !memory.is_empty());
         let pairs = pairs.map(|(contact, memory)| {
-            let [i, j] = contact.both();
+            let [i, j] = contact.slots();
             let id = store.id[j];
             let spheres = [i, j].map(number_in_shape);
             if id.is_wall() {
@@ -265,9 +265,9 @@ impl History {
             }
         });
         let walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
-        let walls = walls.filter(|(contact, memory)| are_present(&[contact.first()]) && !memory.is_empty());
+        let walls = walls.filter(|(contact, memory)| are_present(&[contact.row()]) && !memory.is_empty());
         let walls = walls.filter_map(|(contact, memory)| {
-            let [i, index] = contact.both();
+            let [i, index] = contact.row_and_partner();
             let number = u32::try_from(index + 1).ok()?;
             let at = surfaces.get(index)?.surface.nearest_point(store.body[i].position);
             let row = row(store.id[i], PartnerKind::Wall, number, &memory);
@@ -311,7 +311,7 @@ impl History {
             };
             if let Some(j) = j.filter(|&j| j != i) {
                 let memory = if i > j { layout.seen_from_partner(&memory) } else { memory };
-                pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
+                pairs.push((Candidate::of_slots(i, j), memory));
             }
         }
         for (blocks, mut contacts) in [(&mut self.pair_blocks, pairs), (&mut self.wall_blocks, walls)] {
@@ -327,6 +327,7 @@ impl History {
 mod tests {
     use super::*;
     use crate::contact::history::tests::{memory, store};
+    use crate::neighbours::list::BLOCK;
     use crate::particle::Species;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::surface::Surface;
@@ -348,9 +349,9 @@ mod tests {
         let ids: Vec<u32> = (0..1500).collect();
         let before = store(&ids, &[]);
         let mut history = History::default();
-        for contact in [[0, 1], [3, 700], [1200, 1400]] {
-            let block = &mut history.blocks_mut(&before).0[contact[0] as usize / 1024];
-            block.push(LAYOUT, contact.into(), &memory(0.1 + f64::from(contact[0])));
+        for [row, partner] in [[1, 0], [700, 3], [1400, 1200]] {
+            let block = &mut history.blocks_mut(&before).0[row as usize / BLOCK];
+            block.push(LAYOUT, Candidate::new(row, partner), &memory(0.1 + f64::from(partner)));
         }
         history.blocks_mut(&before).1[0].push(LAYOUT, [5, 2].into(), &memory(7.0));
         let floor = Surface::HalfPlane(HalfPlane { point: Plane::ZERO, normal: Plane::Y });

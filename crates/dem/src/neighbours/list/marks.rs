@@ -36,26 +36,18 @@ pub struct Chosen<'a> {
 }
 
 impl Marks {
-    /// Marks the pairs that contain a chosen particle, and no others. `version` is that of the list with these `pairs`, and `copies`
-    /// are the copies of some of them in its tasks.
-    pub(super) fn mark<'a>(
-        &mut self,
-        version: u64,
-        pairs: &'a mut [Candidate],
-        copies: impl Iterator<Item = &'a mut [Candidate]>,
-        chosen: Chosen<'_>,
-    ) {
+    /// Marks the pairs that contain a chosen particle, and no others. `version` is that of the list with these `pairs`.
+    pub(super) fn mark(&mut self, version: u64, pairs: &mut [Candidate], chosen: Chosen<'_>) {
         let now = Versions { list: version, choice: chosen.version };
         let before = std::mem::replace(&mut self.marked_at, now);
         if before == now {
             return;
         }
         if before == (Versions { choice: now.choice.wrapping_sub(1), ..now }) {
-            let span = self.span;
-            std::iter::once(pairs).chain(copies).for_each(|pairs| mark_near(pairs, span, chosen));
+            mark_near(pairs, self.span, chosen);
         } else {
-            self.span = pairs.iter().map(|pair| pair.second() - pair.first()).max().unwrap_or(0);
-            std::iter::once(pairs).chain(copies).for_each(|pairs| mark_all(pairs, chosen));
+            self.span = pairs.iter().map(|pair| pair.row() - pair.partner()).max().unwrap_or(0);
+            mark_all(pairs, chosen);
         }
     }
 }
@@ -64,25 +56,24 @@ impl Marks {
 fn mark_near(pairs: &mut [Candidate], span: usize, chosen: Chosen<'_>) {
     let mut changed = chosen.changed.iter().peekable();
     while let Some(&particle) = changed.next() {
-        let first = particle.saturating_sub(span);
-        let mut end = particle + 1;
-        while let Some(&next) = changed.next_if(|&&next| next <= end + span) {
-            end = next + 1;
+        let mut end = particle + span + 1;
+        while let Some(&next) = changed.next_if(|&&next| next <= end) {
+            end = next + span + 1;
         }
-        let range = rows(pairs, first..end);
+        let range = rows(pairs, particle..end);
         mark_all(&mut pairs[range], chosen);
     }
 }
 
 /// Returns the places of the pairs, ascending, of a range of rows.
 fn rows(pairs: &[Candidate], rows: Range<usize>) -> Range<usize> {
-    let start = pairs.partition_point(|pair| pair.first() < rows.start);
-    start..start + pairs[start..].partition_point(|pair| pair.first() < rows.end)
+    let start = pairs.partition_point(|pair| pair.row() < rows.start);
+    start..start + pairs[start..].partition_point(|pair| pair.row() < rows.end)
 }
 
 fn mark_all(pairs: &mut [Candidate], Chosen { particles, .. }: Chosen<'_>) {
     for pair in pairs {
-        let [i, j] = pair.both();
+        let [i, j] = pair.slots();
         *pair = pair.with_mark(particles[i] | particles[j]);
     }
 }
@@ -94,12 +85,6 @@ mod tests {
     use super::*;
     use crate::neighbours::list::PairList;
 
-    /// Returns the marked pairs of a list and of its tasks.
-    fn marked(list: &PairList) -> Vec<Vec<[usize; 2]>> {
-        let of = |pairs: &[Candidate]| pairs.iter().filter(|pair| pair.mark() > 0).map(|pair| pair.both()).collect();
-        std::iter::once(of(list.pairs())).chain(list.tasks().iter().map(|task| of(&task.incoming))).collect()
-    }
-
     proptest! {
         /// After changes of few or many particles, and after a renewal of the list, the pairs of chosen particles are marked.
         #[test]
@@ -107,7 +92,8 @@ mod tests {
             pairs in prop::collection::btree_set((0u32..300, 1u32..9), 0..900),
             changes in prop::collection::vec((prop::collection::btree_set(0usize..308, 0..40), any::<bool>()), 1..6),
         ) {
-            let all: Vec<_> = pairs.iter().map(|&(i, apart)| Candidate::new(i, i + apart)).collect();
+            let mut all: Vec<_> = pairs.iter().map(|&(i, apart)| Candidate::of_slots(i, i + apart)).collect();
+            all.sort_unstable();
             let mut list = PairList::default();
             list.fill(all.iter().copied(), 308);
             list.assign_tasks(308, 3, 64);
@@ -124,12 +110,10 @@ mod tests {
                     list.assign_tasks(308, 2, 64);
                 }
                 list.mark(Chosen { particles: &particles, changed: &changed, version });
-                let expected = |pairs: &[Candidate]| -> Vec<_> {
-                    pairs.iter().map(|pair| pair.both()).filter(|[i, j]| particles[*i] | particles[*j] > 0).collect()
-                };
-                let expected: Vec<_> =
-                    std::iter::once(expected(&all)).chain(list.tasks().iter().map(|task| expected(&task.incoming))).collect();
-                prop_assert_eq!(marked(&list), expected);
+                let chosen = |pair: &&Candidate| pair.slots().iter().any(|&slot| particles[slot] > 0);
+                let expected: Vec<_> = all.iter().filter(chosen).map(|pair| pair.slots()).collect();
+                let marked = list.pairs().iter().filter(|pair| pair.mark() > 0).map(|pair| pair.slots());
+                prop_assert_eq!(marked.collect::<Vec<_>>(), expected);
             }
         }
     }

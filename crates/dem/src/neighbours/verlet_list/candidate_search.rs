@@ -144,9 +144,9 @@ mod tests {
         let mut verlet = VerletList::new(SKIN);
         let mut list = PairList::default();
         verlet.renew(store, &mut list, DT, &threads);
-        let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
+        let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::of_slots(i, j)));
         let mut near: Vec<_> =
-            pairs.filter(|pair| verlet.anchors.are_near(store, pair.first(), pair.second())).collect();
+            pairs.filter(|pair| verlet.anchors.are_near(store, pair.partner(), pair.row())).collect();
         near.sort_unstable();
         assert_eq!(list.pairs(), near);
     }

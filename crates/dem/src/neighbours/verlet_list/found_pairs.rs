@@ -53,7 +53,7 @@ impl FoundPairs {
     pub(super) fn pairs(&self) -> impl Iterator<Item = Candidate> + Clone {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         self.rows.clone().zip(starts.zip(&self.ends)).flat_map(|(i, (start, &end))| {
-            self.partners[start as usize..end as usize].iter().map(move |&j| Candidate::new(i.min(j), i.max(j)))
+            self.partners[start as usize..end as usize].iter().map(move |&j| Candidate::of_slots(i, j))
         })
     }
 }

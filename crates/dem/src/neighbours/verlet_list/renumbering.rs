@@ -38,8 +38,8 @@ impl<V: Space> VerletList<V> {
                 *place = Some(i);
             }
         }
-        let kept = list.pairs().iter().filter_map(|pair| match pair.both().map(|former| places[former]) {
-            [Some(i), Some(j)] => Some(Candidate::new(i.min(j), i.max(j))),
+        let kept = list.pairs().iter().filter_map(|pair| match pair.slots().map(|former| places[former]) {
+            [Some(i), Some(j)] => Some(Candidate::of_slots(i, j)),
             _ => None,
         });
         let kept = kept.collect();
@@ -68,7 +68,7 @@ impl<V: Space> VerletList<V> {
             is_exhausted[i] = true;
             self.anchors.all[i] = Anchor::of(&store.body[i], self.anchors.skin, dt);
         }
-        let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_exhausted[i]));
+        let others = list.pairs().iter().filter(|pair| !pair.slots().iter().any(|&i| is_exhausted[i]));
         let others = others.copied().collect();
         self.add_pairs_of(store, list, others, exhausted);
         true
@@ -85,7 +85,7 @@ impl<V: Space> VerletList<V> {
         for (position, &new) in newcomers.iter().enumerate() {
             let near = (0u32..).take(store.len()).filter(|&j| self.anchors.are_near(store, new as usize, j as usize));
             let near = near.filter(|j| !newcomers[..=position].contains(j));
-            pairs.extend(near.map(|j| Candidate::new(new.min(j), new.max(j))));
+            pairs.extend(near.map(|j| Candidate::of_slots(new, j)));
         }
         list.fill(pairs.into_iter(), store.len());
         self.trigger = DisplacementTrigger::default();
@@ -179,7 +179,7 @@ mod tests {
             prop_assert!(list.pairs().is_sorted_by(|one, next| one < next));
             for j in 0..30 {
                 for i in 0..j.min(25) {
-                    let pair = Candidate::new(i, j);
+                    let pair = Candidate::of_slots(i, j);
                     prop_assert!(!after.may_touch(i as usize, j as usize) || list.pairs().contains(&pair), "{:?}", pair);
                 }
             }

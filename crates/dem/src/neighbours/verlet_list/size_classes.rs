@@ -171,9 +171,9 @@ mod tests {
         let parts = SizeClasses::new(&verlet.anchors, store).pairs(0, &threads);
         let mut found: Vec<_> = parts.iter().flat_map(FoundPairs::pairs).collect();
         found.sort_unstable();
-        let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
+        let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::of_slots(i, j)));
         let mut near: Vec<_> =
-            pairs.filter(|pair| verlet.anchors.are_near(store, pair.first(), pair.second())).collect();
+            pairs.filter(|pair| verlet.anchors.are_near(store, pair.partner(), pair.row())).collect();
         near.sort_unstable();
         assert_eq!(found, near);
         SizeClasses::new(&verlet.anchors, store).classes.len()

@@ -1,0 +1,63 @@
+//! Forces of the pairs of one task on particles of earlier tasks. The later task evaluates such a pair, and the earlier one adds the force.
+
+use crate::contact::batch::Batch;
+use crate::contact::law::LawRequirements;
+use crate::lanes::LANES;
+use crate::neighbours::list::Candidate;
+use crate::space::Space;
+use crate::store::TOTAL_AND_DISSIPATIVE;
+
+/// Forces on the lower slots of pairs, in ascending order of pairs. Columns that the law does not need stay empty.
+#[derive(Debug)]
+pub struct Outgoing<V: Space> {
+    pub(super) pairs: Vec<Candidate>,
+    /// N: the numbers of an [`Accumulator`](crate::store::Accumulator) for each pair.
+    pub(super) force: Vec<V>,
+    /// N m: the numbers of an accumulator for each pair.
+    pub(super) torque: Vec<V::Spin>,
+    /// N m.
+    pub(super) rolling_drag: Vec<V::Spin>,
+    /// Whether the particles touch, in passes that count contacts.
+    pub(super) touches: Vec<bool>,
+}
+
+impl<V: Space> Default for Outgoing<V> {
+    fn default() -> Self {
+        Self { pairs: Vec::new(), force: Vec::new(), torque: Vec::new(), rolling_drag: Vec::new(), touches: Vec::new() }
+    }
+}
+
+impl<V: Space> Outgoing<V> {
+    /// Removes all forces, and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        let Self { pairs, force, torque, rolling_drag, touches } = self;
+        pairs.clear();
+        force.clear();
+        torque.clear();
+        rolling_drag.clear();
+        touches.clear();
+    }
+
+    /// Adds the forces of a batch on particles in slots before `end`. `counts` tells whether this pass counts contacts.
+    pub(super) fn extend<C: LawRequirements, const NUMBERS: usize>(
+        &mut self,
+        batch: &Batch<V>,
+        end: usize,
+        counts: bool,
+    ) {
+        let output = &batch.output;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.pairs[lane].partner() < end) {
+            self.pairs.push(batch.pairs[lane]);
+            self.force.extend(output.force::<NUMBERS>(lane));
+            if C::SPIN {
+                self.torque.extend(output.torques::<C, NUMBERS>(lane)[0]);
+            }
+            if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
+                self.rolling_drag.push(output.rolling_dashpot_torque.get(lane));
+            }
+            if counts {
+                self.touches.push(output.is_contact(lane));
+            }
+        }
+    }
+}
