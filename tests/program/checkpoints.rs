@@ -253,14 +253,15 @@ fn state_of_another_scene_is_refused() {
 }
 
 /// Places where state could hide from access lists, each with the reason why it may.
-const HIDDEN: [(&str, &str); 11] = [
+const HIDDEN: [(&str, &str); 12] = [
     ("budget.rs", "the time of checks, which end before a run begins"),
+    ("contact/force_pass/exchange.rs", "the forces that the threads of one pass hand over"),
     ("survey/pair_forces.rs", "Local<'s, Vec<V>>: emptied before each use"),
     ("store/renumbering.rs", "Local<u64>: decides about the order of table rows only"),
     ("png/drawing.rs", "static: the fonts"),
     ("disk.rs", "static: the observer of operations on files"),
     ("collisions.rs", "static: the collision table"),
-    ("threads.rs", "atomic counters of one job"),
+    ("threads.rs", "atomic counters of one job; whether a thread polls or waits"),
     ("threads/trace.rs", "the times of passes, which only a benchmark asks for"),
     ("ending/request.rs", "the flag of signals"),
     ("simulation/stepping.rs", "the flag of signals"),

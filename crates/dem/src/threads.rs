@@ -301,6 +301,25 @@ mod tests {
     }
 
     #[test]
+    fn a_job_waits_for_a_later_one_also_if_jobs_are_more_than_threads() {
+        for count in [2, 3] {
+            let ended: Vec<_> = (0..6).map(|_| AtomicBool::new(false)).collect();
+            let threads = threads(count);
+            let jobs = (0..6).map(|number| {
+                let (ended, threads) = (&ended, &threads);
+                move || {
+                    if number < 5 {
+                        threads.wait_until(|| ended[number + 1].load(Ordering::Relaxed));
+                    }
+                    ended[number].store(true, Ordering::Relaxed);
+                    ended.iter().filter(|ended| ended.load(Ordering::Relaxed)).count() >= 6 - number
+                }
+            });
+            assert_eq!(threads.share(jobs), [true; 6]);
+        }
+    }
+
+    #[test]
     fn helpers_go_to_sleep_and_wake_again() {
         let threads = threads(2);
         let may_sleep = || threads.0.as_ref().unwrap().may_sleep.load(Ordering::Relaxed);

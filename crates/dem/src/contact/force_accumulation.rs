@@ -141,22 +141,22 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
             let torques_of = output.torques::<C, NUMBERS>(lane);
             let force = output.force::<NUMBERS>(lane);
-            if is_here {
-                add(&mut forces[lower], force);
-            }
             subtract(&mut forces[row], force);
             if C::SPIN {
-                if is_here {
+                subtract(&mut torques[row], torques_of[1]);
+            }
+            if is_here {
+                add(&mut forces[lower], force);
+                if C::SPIN {
                     add(&mut torques[lower], torques_of[0]);
                 }
-                subtract(&mut torques[row], torques_of[1]);
             }
             if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
                 let dashpot = output.rolling_dashpot_torque.get(lane);
+                rolling[row] -= dashpot;
                 if is_here {
                     rolling[lower] += dashpot;
                 }
-                rolling[row] -= dashpot;
             }
         }
     }

@@ -10,14 +10,13 @@
 //!
 //! The lanes are compiled for each law, the other loops for three classes of laws (module `needs`).
 //!
-//! Each thread evaluates the pairs of a range of rows, and sums the forces on the particles of these rows. The force of a pair on a particle of
-//! earlier rows goes to their thread ([`exchange`]), which adds it after its own pairs. That is where the order of slots has it. So the order
-//! of every sum, and every bit of it, does not depend on the number of threads. Memories are stored in history blocks of [`BLOCK`] rows. A batch never spans two blocks, so the energy balance does
-//! not depend on the number of threads either.
+//! Each thread evaluates the pairs of a range of rows, and sums the forces on the particles of these rows. The force of a pair on a particle in
+//! an earlier row goes to the thread of that row (`exchange`). This thread adds it after its own pairs, which is its place in the order of slots.
+//! So the order of every sum, and every bit of it, does not depend on the number of threads. Memories are stored in history blocks of [`BLOCK`]
+//! rows. A batch never spans two blocks, so the energy balance does not depend on the number of threads either.
 //!
-//! Contacts with walls are summed block by block (`walls`), after all contacts between particles. So
-//! the sum of a particle takes walls last, in the scene's order. The load on a wall is also summed block by block, so
-//! that no bit of it depends on the number of threads.
+//! Contacts with walls are summed block by block (`walls`), after all contacts between particles. So the sum of a particle takes walls last, in
+//! the scene's order. The load on a wall is also summed block by block, so that no bit of it depends on the number of threads.
 
 mod contact_end;
 mod exchange;

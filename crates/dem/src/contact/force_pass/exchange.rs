@@ -51,3 +51,52 @@ impl<V: Space> Drop for Exchange<'_, V> {
         self.posts[self.own].get_or_init(Outgoing::default);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::neighbours::list::Candidate;
+    use crate::space::Plane;
+
+    /// Three tasks of ten rows. The second one reaches the first, the third one reaches as far down as `lowest`.
+    fn tasks(lowest: usize) -> [Task; 3] {
+        [(0..10, 0, 0), (10..20, 4, 20), (20..30, lowest, 30)].map(|(rows, lowest, reaching_end)| Task {
+            rows,
+            lowest,
+            reaching_end,
+        })
+    }
+
+    fn force(pair: [u32; 2]) -> Outgoing<Plane> {
+        Outgoing { pairs: vec![Candidate::from(pair)], ..Outgoing::default() }
+    }
+
+    #[test]
+    fn a_task_gets_the_posts_of_those_that_reach_it_in_their_order() {
+        for (lowest, expected) in [(4, vec![[12, 4], [22, 7]]), (12, vec![[12, 4]])] {
+            let tasks = tasks(lowest);
+            let threads = Threads::one();
+            let posts = [(); 3].map(|()| Post::new());
+            let of = |own| Exchange { threads: &threads, tasks: &tasks, posts: &posts, own };
+            of(2).post(&mut force([22, 7]));
+            of(1).post(&mut force([12, 4]));
+            // Only the first post counts.
+            of(1).post(&mut force([13, 5]));
+            let incoming: Vec<_> = of(0)
+                .incoming()
+                .flat_map(|outgoing| outgoing.pairs.iter().map(|pair| pair.row_and_partner()))
+                .collect();
+            assert_eq!(incoming, expected);
+        }
+    }
+
+    #[test]
+    fn a_task_that_panics_keeps_no_other_waiting() {
+        let tasks = tasks(4);
+        let threads = Threads::one();
+        let posts = [(); 3].map(|()| Post::<Plane>::new());
+        let of = |own| Exchange { threads: &threads, tasks: &tasks, posts: &posts, own };
+        drop([of(1), of(2)]);
+        assert!(of(0).incoming().all(|outgoing| outgoing.pairs.is_empty()));
+    }
+}
