@@ -5,11 +5,12 @@
 use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
+use crate::contact::held_forces::HeldForces;
 use crate::contact::law::LawRequirements;
-use crate::contact::outgoing::Outgoing;
 use crate::contact::pair::Pair;
 use crate::contact::pair_force::{PairForce, Resistance};
 use crate::lanes::LANES;
+use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 
@@ -179,24 +180,28 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
         }
     }
 
-    /// Adds the forces of a later task on own particles, and counts its contacts with them. Forces on particles of other tasks are skipped.
-    pub(super) fn receive<C: LawRequirements, const NUMBERS: usize>(&mut self, outgoing: &Outgoing<V>) {
+    /// Adds forces that were held, and counts their contacts. `slot` returns the particle of a contact; particles of other tasks are skipped.
+    pub(super) fn add_held<C: LawRequirements, const NUMBERS: usize>(
+        &mut self,
+        held: &HeldForces<V>,
+        slot: impl Fn(Candidate) -> usize,
+    ) {
         let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
         let forces = force.as_chunks_mut::<NUMBERS>().0;
         let torques = torque.as_chunks_mut::<NUMBERS>().0;
-        for (number, pair) in outgoing.pairs.iter().enumerate() {
-            let entry = pair.partner().wrapping_sub(self.rows.start);
+        for (number, &contact) in held.pairs.iter().enumerate() {
+            let entry = slot(contact).wrapping_sub(self.rows.start);
             if entry >= forces.len() {
                 continue;
             }
-            add(&mut forces[entry], outgoing.force.as_chunks::<NUMBERS>().0[number]);
+            add(&mut forces[entry], held.force.as_chunks::<NUMBERS>().0[number]);
             if C::SPIN {
-                add(&mut torques[entry], outgoing.torque.as_chunks::<NUMBERS>().0[number]);
+                add(&mut torques[entry], held.torque.as_chunks::<NUMBERS>().0[number]);
             }
             if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
-                rolling_drag[entry] += outgoing.rolling_drag[number];
+                rolling_drag[entry] += held.rolling_drag[number];
             }
-            if let Some(touches) = outgoing.touches.get(number) {
+            if let Some(touches) = held.touches.get(number) {
                 contacts[entry] += u16::from(*touches);
             }
         }

@@ -82,13 +82,13 @@ impl<V: Space> ForcePass<'_, V> {
         let mut near = self.near;
         let mut workers = Vec::with_capacity(tasks.len());
         for (own, (Task { rows, .. }, scratch)) in tasks.iter().zip(&mut *scratches).enumerate() {
-            let ThreadScratch { batch, outgoing, spare, on_walls } = scratch;
+            let ThreadScratch { batch, outgoing, of_walls, spare, on_walls } = scratch;
             let blocks = rows.len().div_ceil(BLOCK);
             let pairs = pair_histories.split_off_mut(..blocks).unwrap_or_default();
             let walls = wall_histories.split_off_mut(..blocks).unwrap_or_default();
             let histories = OwnHistories { pairs, walls, spare };
             let sums = ForceAccumulation::new(rows.clone(), rest.split_front(rows.len()));
-            let output = OwnOutput { sums, batch, outgoing, on_walls };
+            let output = OwnOutput { sums, batch, outgoing, of_walls, on_walls };
             let near = near.split_off(..near.partition_point(|contact| contact.row() < rows.end)).unwrap_or_default();
             let exchange = Exchange { threads, tasks, posts: &posts, own };
             let worker = Worker::<V, C>::new(self, view, near, output, deepest);

@@ -3,8 +3,8 @@
 use bevy_ecs::prelude::*;
 
 use crate::contact::batch::Batch;
+use crate::contact::held_forces::HeldForces;
 use crate::contact::history::HistoryBlock;
-use crate::contact::outgoing::Outgoing;
 use crate::space::Space;
 use crate::walls::surface_wall::WallLoad;
 
@@ -14,7 +14,9 @@ pub struct ThreadScratch<V: Space> {
     /// The current batch of contacts.
     pub batch: Batch<V>,
     /// Forces on particles of earlier tasks.
-    pub outgoing: Outgoing<V>,
+    pub outgoing: HeldForces<V>,
+    /// Forces of walls on particles that wait for forces of later tasks.
+    pub of_walls: HeldForces<V>,
     /// Spare history block for blocks that are rewritten.
     pub spare: HistoryBlock,
     /// Loads of the contacts with walls, each with the index of its wall, in ascending order of rows.

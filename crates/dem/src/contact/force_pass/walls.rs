@@ -118,10 +118,14 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
 
     /// Adds the forces of the batch to grains and walls; `NUMBERS` per accumulator entry.
     fn add_to_walls<const NUMBERS: usize>(&mut self) {
-        let Self { sums, batch, on_walls, pass, view, .. } = self;
-        sums.add_to_rows::<C, NUMBERS>(batch);
-        if pass.counts {
-            sums.count::<false>(batch);
+        let Self { sums, batch, of_walls, on_walls, pass, view, .. } = self;
+        if let Some(held) = of_walls {
+            held.extend::<C, NUMBERS>(batch, pass.counts, |_| true);
+        } else {
+            sums.add_to_rows::<C, NUMBERS>(batch);
+            if pass.counts {
+                sums.count::<false>(batch);
+            }
         }
         // Neighbouring particles often touch the same wall.
         let mut sum: Option<(usize, WallLoad<V>)> = None;

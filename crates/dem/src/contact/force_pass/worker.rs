@@ -7,11 +7,11 @@ use crate::contact::force_accumulation::ForceAccumulation;
 use crate::contact::force_pass::exchange::Exchange;
 use crate::contact::force_pass::input::ForcePass;
 use crate::contact::geometry::coincident;
+use crate::contact::held_forces::HeldForces;
 use crate::contact::history::losses::{ContactLosses, EndLosses};
 use crate::contact::history::{HistoryBlock, HistoryCursor};
 use crate::contact::law::LawRequirements;
 use crate::contact::memory::{Memory, MemoryLayout};
-use crate::contact::outgoing::Outgoing;
 use crate::contact::pair::MemoryTimes;
 use crate::lanes::LANES;
 use crate::neighbours::list::{BLOCK, Candidate, Task};
@@ -25,7 +25,10 @@ pub(super) struct Worker<'a, V: Space, C> {
     pub(super) view: &'a ParticleStore<V>,
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
-    outgoing: &'a mut Outgoing<V>,
+    /// Forces on particles of earlier tasks.
+    outgoing: &'a mut HeldForces<V>,
+    /// Forces of walls on own particles, while these wait for forces of later tasks.
+    pub(super) of_walls: Option<&'a mut HeldForces<V>>,
     pub(super) largest: f64,
     /// Pairs of an own row and a wall that may touch and are not yet summed.
     pub(super) near: &'a [Candidate],
@@ -52,7 +55,8 @@ pub(super) struct OwnHistories<'a> {
 pub(super) struct OwnOutput<'a, V: Space> {
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
-    pub(super) outgoing: &'a mut Outgoing<V>,
+    pub(super) outgoing: &'a mut HeldForces<V>,
+    pub(super) of_walls: &'a mut HeldForces<V>,
     pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
 }
 
@@ -62,15 +66,17 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         pass: &'a ForcePass<'a, V>,
         view: &'a ParticleStore<V>,
         near: &'a [Candidate],
-        OwnOutput { sums, batch, outgoing, on_walls }: OwnOutput<'a, V>,
+        OwnOutput { sums, batch, outgoing, of_walls, on_walls }: OwnOutput<'a, V>,
         largest: f64,
     ) -> Self {
         outgoing.clear();
+        of_walls.clear();
         on_walls.clear();
         let event_time = pass.law.overlap_without_events() * view.prediction.velocities_ahead;
         let mass_root = pass.law.needs_mass_root();
+        let of_walls = Some(of_walls);
         let class = PhantomData;
-        Self { pass, view, sums, batch, outgoing, largest, near, on_walls, mass_root, event_time, class }
+        Self { pass, view, sums, batch, outgoing, of_walls, largest, near, on_walls, mass_root, event_time, class }
     }
 
     /// Returns the layout of the memories.
@@ -95,19 +101,35 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             self.sum_pairs(candidates, Block::new(history, spare, self.layout()), foreign_end);
         }
         exchange.post(self.outgoing);
-        for outgoing in exchange.incoming() {
-            if self.view.tracks_energy {
-                self.sums.receive::<C, TOTAL_AND_DISSIPATIVE>(outgoing);
-            } else {
-                self.sums.receive::<C, TOTAL>(outgoing);
-            }
+        // The forces of walls come last. They are held if those of later tasks are not there yet.
+        if self.of_walls.take_if(|_| exchange.is_complete()).is_some() {
+            self.take_over(exchange);
         }
         if !self.pass.walls.is_empty() {
             for (history, first) in walls.iter_mut().zip(blocks()) {
                 self.sum_walls(first + BLOCK, Block::new(history, spare, self.layout()));
             }
         }
+        if let Some(of_walls) = self.of_walls.take() {
+            self.take_over(exchange);
+            self.add_held(of_walls, Candidate::row);
+        }
         self.largest
+    }
+
+    /// Adds the forces of later tasks on own particles. Waits for them.
+    fn take_over(&mut self, exchange: &Exchange<'_, V>) {
+        for outgoing in exchange.incoming() {
+            self.add_held(outgoing, Candidate::partner);
+        }
+    }
+
+    fn add_held(&mut self, held: &HeldForces<V>, slot: impl Fn(Candidate) -> usize) {
+        if self.view.tracks_energy {
+            self.sums.add_held::<C, TOTAL_AND_DISSIPATIVE>(held, slot);
+        } else {
+            self.sums.add_held::<C, TOTAL>(held, slot);
+        }
     }
 
     /// Sums the contacts between particles of a block of rows. Particles in slots before `foreign_end` belong to earlier tasks; 0 if the block
@@ -254,10 +276,11 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         if counts {
             self.sums.count::<true>(batch);
         }
+        let is_foreign = |pair: Candidate| pair.partner() < foreign_end;
         match (foreign_end, tracks_energy) {
             (0, _) => {}
-            (_, true) => self.outgoing.extend::<C, TOTAL_AND_DISSIPATIVE>(batch, foreign_end, counts),
-            (_, false) => self.outgoing.extend::<C, TOTAL>(batch, foreign_end, counts),
+            (_, true) => self.outgoing.extend::<C, TOTAL_AND_DISSIPATIVE>(batch, counts, is_foreign),
+            (_, false) => self.outgoing.extend::<C, TOTAL>(batch, counts, is_foreign),
         }
         self.batch.len = 0;
     }

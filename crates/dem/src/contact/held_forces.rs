@@ -1,4 +1,5 @@
-//! Forces of the pairs of one task on particles of earlier tasks. The later task evaluates such a pair, and the earlier one adds the force.
+//! Forces that are added later: those of the pairs of one task on particles of earlier tasks, which these tasks add, and those of walls on
+//! particles that still wait for forces of later tasks.
 
 use crate::contact::batch::Batch;
 use crate::contact::law::LawRequirements;
@@ -7,9 +8,10 @@ use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::TOTAL_AND_DISSIPATIVE;
 
-/// Forces on the lower slots of pairs, in ascending order of pairs. Columns that the law does not need stay empty.
+/// Forces on the first particles of contacts, the one in the lower slot or at a wall, in ascending order of contacts. Columns that the law does
+/// not need stay empty.
 #[derive(Debug)]
-pub struct Outgoing<V: Space> {
+pub struct HeldForces<V: Space> {
     pub(super) pairs: Vec<Candidate>,
     /// N: the numbers of an [`Accumulator`](crate::store::Accumulator) for each pair.
     pub(super) force: Vec<V>,
@@ -21,13 +23,13 @@ pub struct Outgoing<V: Space> {
     pub(super) touches: Vec<bool>,
 }
 
-impl<V: Space> Default for Outgoing<V> {
+impl<V: Space> Default for HeldForces<V> {
     fn default() -> Self {
         Self { pairs: Vec::new(), force: Vec::new(), torque: Vec::new(), rolling_drag: Vec::new(), touches: Vec::new() }
     }
 }
 
-impl<V: Space> Outgoing<V> {
+impl<V: Space> HeldForces<V> {
     /// Removes all forces, and keeps the memory.
     pub(super) fn clear(&mut self) {
         let Self { pairs, force, torque, rolling_drag, touches } = self;
@@ -38,15 +40,15 @@ impl<V: Space> Outgoing<V> {
         touches.clear();
     }
 
-    /// Adds the forces of a batch on particles in slots before `end`. `counts` tells whether this pass counts contacts.
+    /// Appends the forces of the contacts of a batch for which `is_wanted` returns true. `counts` tells whether this pass counts contacts.
     pub(super) fn extend<C: LawRequirements, const NUMBERS: usize>(
         &mut self,
         batch: &Batch<V>,
-        end: usize,
         counts: bool,
+        is_wanted: impl Fn(Candidate) -> bool,
     ) {
         let output = &batch.output;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.pairs[lane].partner() < end) {
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| is_wanted(batch.pairs[lane])) {
             self.pairs.push(batch.pairs[lane]);
             self.force.extend(output.force::<NUMBERS>(lane));
             if C::SPIN {
