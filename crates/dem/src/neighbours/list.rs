@@ -1,7 +1,7 @@
-//! Neighbour list: candidate pairs in ascending order; and their division into tasks for threads.
+//! Neighbour list: candidate pairs in ascending order, and their division into tasks for threads.
 //!
 //! The list is flat and stores both members of each pair, so that iterating over it needs no lookups. A row is the set
-//! of pairs with one higher member. Rows are grouped into blocks. A thread evaluates the pairs of the rows of a [`Task`].
+//! of pairs with the same higher slot. Rows are grouped into blocks. A thread evaluates the pairs of the rows of a [`Task`].
 //!
 //! A pair is in the row of its higher slot. A particle therefore gets the forces of the partners in lower slots first, in its own row, and then
 //! those of the partners in higher slots, row by row. If that is another task's row, the force comes last. So each particle sums its

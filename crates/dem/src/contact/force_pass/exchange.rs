@@ -58,7 +58,7 @@ impl<'a, V: Space> Exchange<'a, V> {
 }
 
 impl<V: Space> Drop for Exchange<'_, V> {
-    /// Posts nothing if the task has ended without a post, by a panic: tasks that wait for it end, and the panic is told.
+    /// Posts no forces if the task has ended without a post, by a panic: tasks that wait for it end, and the panic is told.
     fn drop(&mut self) {
         self.posts[self.own].get_or_init(HeldForces::default);
     }
