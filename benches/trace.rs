@@ -58,16 +58,16 @@ struct Trace {
     bare: Duration,
 }
 
-/// What handing over the force of a pair takes, by the work of a pair: for the thread that evaluates it, and for the one that gets the force. The sum is
-/// what `cachegrind` counted in W2 with 10,000 spheres on 16 threads: 1.12 times the instructions of one thread at a border of 39 %.
+/// Work of handing over the force of a pair, by the work of a pair: as much for the thread that evaluates the pair as for the thread that gets the force.
+/// The sum of both is what `cachegrind` counted in W2 with 10,000 spheres on 16 threads: 1.12 times the instructions of one thread at a border of 39 %.
 const EXCHANGE: f64 = 0.15;
 
 /// The work that the program hands out to a number of threads: rows, pairs, and forces handed over.
 #[derive(Clone, Copy, Debug)]
 struct Shares {
-    /// That of all threads.
+    /// Work of all threads.
     all: f64,
-    /// That of the busiest thread.
+    /// Work of the busiest thread.
     largest: f64,
     /// The largest part of the rows that a thread has.
     rows: f64,

@@ -10,7 +10,7 @@ use crate::store::TOTAL_AND_DISSIPATIVE;
 
 /// Forces on the first particles of contacts, the one in the lower slot or at a wall, in ascending order of contacts. Columns that the law does
 /// not need stay empty.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct HeldForces<V: Space> {
     pub(super) pairs: Vec<Candidate>,
     /// N: the numbers of an [`Accumulator`](crate::store::Accumulator) for each pair.
@@ -21,12 +21,6 @@ pub struct HeldForces<V: Space> {
     pub(super) rolling_drag: Vec<V::Spin>,
     /// Whether the particles touch, in passes that count contacts.
     pub(super) touches: Vec<bool>,
-}
-
-impl<V: Space> Default for HeldForces<V> {
-    fn default() -> Self {
-        Self { pairs: Vec::new(), force: Vec::new(), torque: Vec::new(), rolling_drag: Vec::new(), touches: Vec::new() }
-    }
 }
 
 impl<V: Space> HeldForces<V> {

@@ -106,6 +106,7 @@ impl<V: Space> Search<V> {
         let shares = threads.count().min(store.len() / ROWS_PER_THREAD);
         let renumbered = self.generation != store.generation;
         let mut renewed_some = false;
+        let mut range_check = Ok(());
         let is_next = self.generation + 1 == store.generation;
         self.generation = store.generation;
         let rebuilt = match &mut self.method {
@@ -115,12 +116,12 @@ impl<V: Space> Search<V> {
             }
             Method::Cells(cells) => {
                 cells.fill(store.body.iter().map(|body| body.position));
-                let range_check = if renumbered { cells.check_range(store) } else { Ok(()) };
+                if renumbered {
+                    range_check = cells.check_range(store);
+                }
                 cells.set_reach(store.prediction.margin + store.prediction.range);
                 // The list is made even after an error, so that the state left by the failed step has a valid list.
                 cells.find(store, &mut self.list);
-                self.list.assign_tasks(store.len(), shares, BLOCK);
-                range_check?;
                 true
             }
             Method::VerletList(list) => {
@@ -137,7 +138,7 @@ impl<V: Space> Search<V> {
         if rebuilt || renumbered || renewed_some {
             self.list.assign_tasks(store.len(), shares, BLOCK);
         }
-        Ok(rebuilt)
+        range_check.map(|()| rebuilt)
     }
 }
 

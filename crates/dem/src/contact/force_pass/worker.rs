@@ -260,8 +260,8 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         block.touching += self.batch.touching();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
-        let batch = &*self.batch;
         let sums = &mut self.sums;
+        let batch = &*self.batch;
         self.pass.instructions.run_narrow(
             #[inline(always)]
             || {
