@@ -296,7 +296,7 @@ fn a_damaged_or_foreign_checkpoint_is_refused() {
     let mut bytes = Vec::new();
     file::write(&mut bytes, &checkpoint.header, &checkpoint.sections).unwrap();
     fs::write(&newer, bytes).unwrap();
-    assert_refused(here.path(), &["siloflow 0.0.1 with format 12 wrote it", "the version that began it"]);
+    assert_refused(here.path(), &["siloflow 0.0.1 with format 13 wrote it", "the version that began it"]);
     // State that does not fit.
     checkpoint.header.version = env!("CARGO_PKG_VERSION").to_owned();
     checkpoint.sections.retain(|(name, _)| name != "entities");

@@ -115,7 +115,10 @@ impl Threads {
     pub fn run<R: Send>(world: &mut World, work: impl FnOnce(&mut World) -> R + Send) -> R {
         match world.resource::<Self>().0.clone() {
             None => work(world),
-            Some(shared_pool) => shared_pool.install(|| work(world)),
+            Some(shared_pool) => shared_pool.install(|| {
+                shared_pool.begin_run();
+                work(world)
+            }),
         }
     }
 }
@@ -133,6 +136,13 @@ impl Pool {
             Ok(result) => result,
             Err(panic) => std::panic::resume_unwind(panic),
         })
+    }
+
+    /// Notes that this thread begins a run. If it still polled for jobs of the former run, it polls no more, and other threads may be asleep.
+    fn begin_run(&self) {
+        if IS_POLLING.get() {
+            self.may_sleep.store(true, Ordering::Relaxed);
+        }
     }
 
     /// Runs all jobs. Not generic, so that it is compiled once.
@@ -329,6 +339,20 @@ mod tests {
             while !may_sleep() {
                 thread::yield_now();
             }
+        }
+    }
+
+    #[test]
+    fn a_run_that_begins_on_a_polling_thread_wakes_the_others() {
+        let threads = threads(2);
+        let pool = threads.0.clone().unwrap();
+        let mut world = World::new();
+        world.insert_resource(threads);
+        for polls in [false, true] {
+            pool.threads.broadcast(|_| IS_POLLING.set(polls));
+            pool.may_sleep.store(false, Ordering::Relaxed);
+            let will_wake = Threads::run(&mut world, |_| pool.may_sleep.load(Ordering::Relaxed));
+            assert_eq!(will_wake, polls);
         }
     }
 

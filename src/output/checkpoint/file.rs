@@ -25,7 +25,7 @@ use siloflow_files::run_files::Manifest;
 const MAGIC: &[u8; 8] = b"SILOFLOW";
 
 /// Version of the format.
-pub const FORMAT: u32 = 12;
+pub const FORMAT: u32 = 13;
 
 /// Facts about a checkpoint that are read before its state.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -14,7 +14,7 @@ use std::ops::Range;
 use self::marks::Marks;
 
 /// Rows of a block. A force pass processes one block at a time, on any number of threads.
-pub const BLOCK: usize = 256;
+pub const BLOCK: usize = 128;
 
 pub use self::marks::Chosen;
 pub use crate::neighbours::candidate::{Candidate, are_same};

@@ -126,7 +126,7 @@ impl<V: Space> Search<V> {
             }
             Method::VerletList(list) => {
                 let is_whole = !renumbered || (is_next && list.apply_renumbering(store, &mut self.list, dt));
-                let exhausted = if is_whole { list.exhausted(store) } else { Vec::new() };
+                let exhausted = if is_whole { list.exhausted(store, threads) } else { Vec::new() };
                 renewed_some = !exhausted.is_empty();
                 let stale = !is_whole || (renewed_some && !list.renew_particles(store, &mut self.list, &exhausted, dt));
                 if stale {

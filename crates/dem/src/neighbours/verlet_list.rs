@@ -14,14 +14,17 @@ mod found_pairs;
 mod renumbering;
 mod size_classes;
 
+use std::ops::Range;
+
 use crate::displacement_trigger::DisplacementTrigger;
+use crate::neighbours::ROWS_PER_THREAD;
 use crate::neighbours::list::PairList;
-use crate::neighbours::verlet_list::anchors::{Anchor, Anchors};
+use crate::neighbours::verlet_list::anchors::Anchors;
 use crate::neighbours::verlet_list::candidate_search::CandidateSearch;
 use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::neighbours::verlet_list::size_classes::SizeClasses;
 use crate::space::Space;
-use crate::store::{Body, ParticleStore};
+use crate::store::ParticleStore;
 use crate::threads::Threads;
 
 /// A particle counts as nearly exhausted if less than this share of its allowance is left.
@@ -39,27 +42,30 @@ impl<V: Space> VerletList<V> {
     }
 
     /// Returns the nearly exhausted particles if any particle has used up its allowance, else none.
-    pub(super) fn exhausted(&mut self, store: &ParticleStore<V>) -> Vec<u32> {
+    pub(super) fn exhausted(&mut self, store: &ParticleStore<V>, threads: &Threads) -> Vec<u32> {
         if !self.trigger.has_fired(store.travel_meter(), store.prediction.margin) {
             return Vec::new();
         }
-        let left = |(i, (body, anchor)): (usize, (&Body<V>, &Anchor<V>))| {
+        let anchors = &self.anchors.all[..];
+        let left = |i: usize| {
+            let (body, anchor) = (&store.body[i], &anchors[i]);
             // With centred contacts, pairs that touch within the time by which velocities are ahead must be listed too.
             let ahead = store.prediction.velocities_ahead * store.middle_velocity(i).extent();
             let ahead = if store.prediction.range > 0.0 { ahead + 0.5 * store.prediction.range } else { ahead };
             anchor.allowance - ahead - store.separation(body.position, anchor.position).length()
         };
-        let particles = || store.body.iter().zip(&self.anchors.all).enumerate();
-        let least = particles().map(left).fold(f64::INFINITY, f64::min);
+        let particles = store.len();
+        let each = particles.div_ceil(threads.count()).max(ROWS_PER_THREAD);
+        let jobs = (0..particles).step_by(each).map(|first| first..particles.min(first + each));
+        let least_of = |rows: Range<usize>| rows.map(left).fold(f64::INFINITY, f64::min);
+        let least = threads.share(jobs.map(|rows| move || least_of(rows))).into_iter().fold(f64::INFINITY, f64::min);
         self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), least);
         if least > 0.0 {
             return Vec::new();
         }
         // Particles that would exhaust their allowance soon are included, so that one update serves them all.
-        let nearly = |&(_, particle): &(u32, (usize, (&Body<V>, &Anchor<V>)))| {
-            left(particle) < NEARLY_EXHAUSTED * particle.1.1.allowance
-        };
-        (0u32..).zip(particles()).filter(nearly).map(|(i, _)| i).collect()
+        let nearly = |i: &u32| left(*i as usize) < NEARLY_EXHAUSTED * anchors[*i as usize].allowance;
+        (0u32..).take(particles).filter(nearly).collect()
     }
 
     /// Rebuilds `list` for the positions in `store`; `dt` is the time step, s.

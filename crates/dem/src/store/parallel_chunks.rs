@@ -9,10 +9,10 @@ use crate::instruction_set::InstructionSet;
 use crate::threads::Threads;
 
 /// Entries per chunk.
-pub const CHUNK: usize = 256;
+pub const CHUNK: usize = 128;
 
 /// The smallest number of chunks that is shared among threads. With fewer chunks, sharing saves too little.
-const MIN_SHARED_CHUNKS: usize = 32;
+const MIN_SHARED_CHUNKS: usize = 64;
 
 /// System parameter of a chunked pass: the threads and the instruction set.
 #[derive(SystemParam)]

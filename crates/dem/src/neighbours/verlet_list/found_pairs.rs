@@ -9,7 +9,7 @@ use crate::neighbours::list::Candidate;
 use crate::threads::Threads;
 
 /// Number of particles per thread job.
-const JOB_ROWS: u32 = 1024;
+const JOB_ROWS: u32 = 256;
 
 /// The partners that the particles of consecutive rows found.
 pub(super) struct FoundPairs {

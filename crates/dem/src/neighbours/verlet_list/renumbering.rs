@@ -146,7 +146,7 @@ mod tests {
             let fixed = places.len() - free;
             let after = store(&places, fixed, former);
             prop_assert!(verlet.apply_renumbering(&after, &mut list, 1e-3));
-            prop_assert!(verlet.exhausted(&after).is_empty());
+            prop_assert!(verlet.exhausted(&after, &Threads::one()).is_empty());
             let mut whole = PairList::default();
             VerletList::new(SKIN).renew(&after, &mut whole, 1e-3, &Threads::one());
             // No disc has moved, so the list must equal the result of a search.
@@ -173,9 +173,9 @@ mod tests {
             for (i, x, y) in far {
                 after.body[i].position += Plane::new(x, y);
             }
-            let exhausted = verlet.exhausted(&after);
+            let exhausted = verlet.exhausted(&after, &Threads::one());
             prop_assert!(exhausted.is_empty() || verlet.renew_particles(&after, &mut list, &exhausted, 1e-3));
-            prop_assert!(verlet.exhausted(&after).is_empty());
+            prop_assert!(verlet.exhausted(&after, &Threads::one()).is_empty());
             prop_assert!(list.pairs().is_sorted_by(|one, next| one < next));
             for j in 0..30 {
                 for i in 0..j.min(25) {
