@@ -120,14 +120,14 @@ impl History {
             }
         }
         let on_walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
-        let walls = on_walls
+        let walls: Vec<_> = on_walls
             .filter_map(|(contact, memory)| {
                 let wall = u32::try_from(contact.partner()).ok()?;
                 Some((Candidate::new(new_slot(contact.row())?, wall), memory))
             })
             .collect();
-        rewrite(&mut self.pair_blocks, store, pairs, layout);
-        rewrite(&mut self.wall_blocks, store, walls, layout);
+        rewrite(&mut self.pair_blocks, store, &pairs, layout);
+        rewrite(&mut self.wall_blocks, store, &walls, layout);
     }
 }
 
@@ -164,15 +164,16 @@ fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock>, store: &ParticleStor
 fn rewrite<V: Space>(
     blocks: &mut Vec<HistoryBlock>,
     store: &ParticleStore<V>,
-    mut contacts: Vec<(Candidate, Memory)>,
+    contacts: &[(Candidate, Memory)],
     layout: &MemoryLayout,
 ) {
-    // Most contacts keep their order, and the stable sort is fast on sorted runs.
-    contacts.sort_by_key(|(contact, _)| *contact);
-    blocks.clear();
+    // Numbers are sorted in place of memories, which are long. Most contacts keep their order, and the stable sort is fast on sorted runs.
+    let mut order: Vec<_> = contacts.iter().zip(0usize..).map(|((contact, _), number)| (*contact, number)).collect();
+    order.sort_by_key(|(contact, _)| *contact);
     let blocks = resized(blocks, store);
-    for (contact, memory) in &contacts {
-        blocks[contact.row() / BLOCK].push(layout, *contact, memory);
+    blocks.iter_mut().for_each(HistoryBlock::clear);
+    for (contact, number) in order {
+        blocks[contact.row() / BLOCK].push(layout, contact, &contacts[number].1);
     }
 }
 

@@ -64,7 +64,7 @@ fn contact_forces<V: Space>(
         list: &search.list,
         walls: &walls.all,
         twins: walls.twins(),
-        near: near.of(&store, &walls, have_changed),
+        near: near.of(&store, &walls, &threads, have_changed),
         dt: memory_step(&clock, store.springs_ahead()),
         starts: clock.is_step_zero(),
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),

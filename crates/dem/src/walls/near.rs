@@ -5,13 +5,17 @@
 //! slack, or a wall has changed. All grains are near a half-plane that turns. A grain that may pass through a periodic side before the list
 //! expires is also near the walls that it meets beyond.
 
+use std::ops::Range;
+
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
 
 use crate::displacement_trigger::DisplacementTrigger;
+use crate::neighbours::ROWS_PER_THREAD;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
+use crate::threads::Threads;
 use crate::walls::mover::Mover;
 use crate::walls::surfaces::Surfaces;
 
@@ -29,58 +33,49 @@ pub struct NearWalls {
     walls_changed: Tick,
 }
 
-/// The walls that a grain reaches.
-struct Reach<'a, V: Space> {
+/// The input of a list.
+#[derive(Clone, Copy)]
+struct List<'a, V: Space> {
+    store: &'a ParticleStore<V>,
     walls: &'a Surfaces<V>,
-    /// Walls that it reaches from every place.
+    /// Walls that all grains are near.
     always: &'a [usize],
-    /// Distance from its centre within which it reaches the others, m.
-    distance: f64,
+    /// m
+    slack: f64,
 }
 
-impl NearWalls {
-    /// Returns the present pairs; updates them if needed.
-    pub fn of<V: Space>(&mut self, store: &ParticleStore<V>, walls: &Surfaces<V>, has_changed: bool) -> &[Candidate] {
-        if walls.all.is_empty() {
-            return &[];
-        }
-        if has_changed || self.has_expired(store, walls) {
-            let rows = store.free_rows();
-            let grains = &store.body[rows.clone()];
-            let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
-            let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
-            self.pairs.clear();
-            let mut candidates = walls.everywhere();
-            let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
-            let sides = store.periodic.filter(|_| walls.have_ends());
-            for (i, body) in (0u32..).skip(rows.start).zip(grains) {
-                let beyond = sides.map(|sides| sides.images_beyond(body.position, slack));
-                if let Some(beyond) = beyond.filter(|images| !images.is_empty()) {
-                    let places = [&[body.position], &beyond[..]].concat();
-                    self.add_at(i, &places, &Reach { walls, always: &always, distance: body.radius + slack });
-                    continue;
-                }
-                if walls.are_many() {
-                    walls.find_near(body.position, body.radius + slack, &mut candidates);
-                }
-                for &number in &candidates {
-                    // A distance that is not a number counts as not near.
-                    let wall = number as usize;
-                    if walls.all[wall].surface.distance(body.position) < body.radius + slack || always.contains(&wall) {
-                        self.pairs.push(Candidate::new(i, number));
-                    }
+impl<V: Space> List<'_, V> {
+    /// Returns the pairs of these rows, ascending.
+    fn pairs_of(self, rows: Range<usize>) -> Vec<Candidate> {
+        let Self { store, walls, always, slack } = self;
+        let mut pairs = Vec::new();
+        let mut candidates = walls.everywhere();
+        let sides = store.periodic.filter(|_| walls.have_ends());
+        for (i, body) in (0u32..).skip(rows.start).zip(&store.body[rows]) {
+            let distance = body.radius + slack;
+            let beyond = sides.map(|sides| sides.images_beyond(body.position, slack));
+            if let Some(beyond) = beyond.filter(|images| !images.is_empty()) {
+                pairs.append(&mut self.pairs_at(i, &[&[body.position], &beyond[..]].concat(), distance));
+                continue;
+            }
+            if walls.are_many() {
+                walls.find_near(body.position, distance, &mut candidates);
+            }
+            for &number in &candidates {
+                // A distance that is not a number counts as not near.
+                let wall = number as usize;
+                if walls.all[wall].surface.distance(body.position) < distance || always.contains(&wall) {
+                    pairs.push(Candidate::new(i, number));
                 }
             }
-            self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), slack);
-            self.wall_travel = walls.travel();
         }
-        &self.pairs
+        pairs
     }
 
-    /// Adds the pairs of a grain that may come to any of these places, with the walls within reach.
+    /// Returns the pairs of a grain that may come to any of these places, with the walls whose distance from its centre is below `distance`, m.
     #[cold]
-    fn add_at<V: Space>(&mut self, i: u32, places: &[V], reach: &Reach<V>) {
-        let Reach { walls, always, distance } = *reach;
+    fn pairs_at(self, i: u32, places: &[V], distance: f64) -> Vec<Candidate> {
+        let Self { walls, always, .. } = self;
         let mut own = Vec::new();
         for &x in places {
             let near = walls.near(x, distance);
@@ -90,7 +85,37 @@ impl NearWalls {
         }
         own.sort_unstable();
         own.dedup();
-        self.pairs.append(&mut own);
+        own
+    }
+}
+
+impl NearWalls {
+    /// Returns the present pairs; updates them if needed.
+    pub fn of<V: Space>(
+        &mut self,
+        store: &ParticleStore<V>,
+        walls: &Surfaces<V>,
+        threads: &Threads,
+        has_changed: bool,
+    ) -> &[Candidate] {
+        if walls.all.is_empty() {
+            return &[];
+        }
+        if has_changed || self.has_expired(store, walls) {
+            let rows = store.free_rows();
+            let largest = store.body[rows.clone()].iter().map(|body| body.radius).fold(0.0, f64::max);
+            let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
+            let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
+            let each = rows.len().div_ceil(threads.count()).max(ROWS_PER_THREAD);
+            let parts = rows.clone().step_by(each).map(|first| first..rows.end.min(first + each));
+            let list = List { store, walls, always: &always, slack };
+            let parts = threads.share(parts.map(|rows| move || list.pairs_of(rows)));
+            self.pairs.clear();
+            self.pairs.extend(parts.into_iter().flatten());
+            self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), slack);
+            self.wall_travel = walls.travel();
+        }
+        &self.pairs
     }
 
     /// Whether a particle and a wall may have come nearer by the slack, or particles have new slots.

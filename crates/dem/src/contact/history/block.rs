@@ -77,6 +77,7 @@ impl HistoryBlock {
     pub fn clear(&mut self) {
         self.truncate(0);
         self.lost = ContactLosses::default();
+        self.touching = 0;
     }
 
     /// Discards all but the first `first` contacts.

@@ -318,7 +318,7 @@ impl History {
             // A contact that occurs twice keeps its first row.
             contacts.sort_by_key(|(contact, _)| *contact);
             contacts.dedup_by_key(|(contact, _)| *contact);
-            rewrite(blocks, store, contacts, layout);
+            rewrite(blocks, store, &contacts, layout);
         }
     }
 }
