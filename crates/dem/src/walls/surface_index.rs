@@ -90,7 +90,14 @@ impl SurfaceIndex {
         found.extend(&self.everywhere);
         if let Some(side) = self.side {
             let own = found.len();
-            each_cell(cells(side, low, high), |cell| found.extend(self.by_cell.get(&cell).into_iter().flatten()));
+            let range @ [lowest, highest] = cells(side, low, high);
+            // The way of a grain from afar may meet more cells than there are.
+            if usize::try_from(count(range)).is_ok_and(|cells| cells <= self.by_cell.len()) {
+                each_cell(range, |cell| found.extend(self.by_cell.get(&cell).into_iter().flatten()));
+            } else {
+                let is_met = |cell: &[i64; 3]| (0..3).all(|axis| (lowest[axis]..=highest[axis]).contains(&cell[axis]));
+                found.extend(self.by_cell.iter().filter(|(cell, _)| is_met(cell)).flat_map(|(_, walls)| walls));
+            }
             if found.len() > own {
                 found.sort_unstable();
                 found.dedup();
