@@ -11,6 +11,7 @@ pub mod trace;
 
 use std::cell::Cell;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
@@ -92,6 +93,20 @@ impl Threads {
         let mut jobs: Vec<_> = jobs.into_iter().map(|job| Job { work: Some(job), result: None }).collect();
         shared_pool.share(jobs.iter_mut().map(|job| job as &mut dyn Run).collect());
         jobs.into_iter().map(|job| job.result.expect("the pool propagates a panic of a job")).collect()
+    }
+
+    /// Divides `rows` into consecutive parts of at least `least` rows, the last one excepted, and runs `work` with each part, in parallel if there
+    /// are several threads. Returns the results in the order of rows.
+    pub(crate) fn share_rows<R: Send>(
+        &self,
+        rows: Range<usize>,
+        least: usize,
+        work: impl Fn(Range<usize>) -> R + Sync,
+    ) -> Vec<R> {
+        let each = rows.len().div_ceil(self.count()).max(least);
+        let work = &work;
+        let parts = rows.clone().step_by(each).map(|first| first..rows.end.min(first + each));
+        self.share(parts.map(|part| move || work(part)))
     }
 
     /// Waits until `is_done`, and begins further jobs of a pass meanwhile. For a job that needs the result of another job of its pass. That job
@@ -287,6 +302,15 @@ mod tests {
             );
             assert!(threads.share(Vec::<fn() -> u8>::new()).is_empty());
         }
+    }
+
+    #[test]
+    fn rows_are_shared_in_parts_of_a_least_size() {
+        let parts = |count, rows, least| threads(count).share_rows(rows, least, |part| part);
+        assert_eq!(parts(1, 3..10, 2).as_slice(), std::slice::from_ref(&(3..10)));
+        assert_eq!(parts(2, 3..10, 2), [3..7, 7..10]);
+        assert_eq!(parts(4, 3..10, 3), [3..6, 6..9, 9..10]);
+        assert!(parts(2, 5..5, 3).is_empty());
     }
 
     #[test]

@@ -167,8 +167,8 @@ fn rewrite<V: Space>(
     contacts: &[(Candidate, Memory)],
     layout: &MemoryLayout,
 ) {
-    // Numbers are sorted in place of memories, which are long. Most contacts keep their order, and the stable sort is fast on sorted runs.
-    let mut order: Vec<_> = contacts.iter().zip(0usize..).map(|((contact, _), number)| (*contact, number)).collect();
+    // The sort moves numbers of memories, because memories are long. Most contacts keep their order, and the stable sort is fast on sorted runs.
+    let mut order: Vec<_> = contacts.iter().enumerate().map(|(number, (contact, _))| (*contact, number)).collect();
     order.sort_by_key(|(contact, _)| *contact);
     let blocks = resized(blocks, store);
     blocks.iter_mut().for_each(HistoryBlock::clear);

@@ -14,8 +14,6 @@ mod found_pairs;
 mod renumbering;
 mod size_classes;
 
-use std::ops::Range;
-
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::ROWS_PER_THREAD;
 use crate::neighbours::list::PairList;
@@ -55,10 +53,9 @@ impl<V: Space> VerletList<V> {
             anchor.allowance - ahead - store.separation(body.position, anchor.position).length()
         };
         let particles = store.len();
-        let each = particles.div_ceil(threads.count()).max(ROWS_PER_THREAD);
-        let jobs = (0..particles).step_by(each).map(|first| first..particles.min(first + each));
-        let least_of = |rows: Range<usize>| rows.map(left).fold(f64::INFINITY, f64::min);
-        let least = threads.share(jobs.map(|rows| move || least_of(rows))).into_iter().fold(f64::INFINITY, f64::min);
+        let of_parts =
+            threads.share_rows(0..particles, ROWS_PER_THREAD, |rows| rows.map(left).fold(f64::INFINITY, f64::min));
+        let least = of_parts.into_iter().fold(f64::INFINITY, f64::min);
         self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), least);
         if least > 0.0 {
             return Vec::new();

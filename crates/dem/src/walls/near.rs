@@ -33,18 +33,18 @@ pub struct NearWalls {
     walls_changed: Tick,
 }
 
-/// The input of a list.
+/// The grains and walls that are listed, and which of them are near.
 #[derive(Clone, Copy)]
-struct List<'a, V: Space> {
+struct Nearness<'a, V: Space> {
     store: &'a ParticleStore<V>,
     walls: &'a Surfaces<V>,
     /// Walls that all grains are near.
     always: &'a [usize],
-    /// m
+    /// Gap below which a grain is near a wall, m.
     slack: f64,
 }
 
-impl<V: Space> List<'_, V> {
+impl<V: Space> Nearness<'_, V> {
     /// Returns the pairs of these rows, ascending.
     fn pairs_of(self, rows: Range<usize>) -> Vec<Candidate> {
         let Self { store, walls, always, slack } = self;
@@ -106,10 +106,8 @@ impl NearWalls {
             let largest = store.body[rows.clone()].iter().map(|body| body.radius).fold(0.0, f64::max);
             let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
             let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
-            let each = rows.len().div_ceil(threads.count()).max(ROWS_PER_THREAD);
-            let parts = rows.clone().step_by(each).map(|first| first..rows.end.min(first + each));
-            let list = List { store, walls, always: &always, slack };
-            let parts = threads.share(parts.map(|rows| move || list.pairs_of(rows)));
+            let nearness = Nearness { store, walls, always: &always, slack };
+            let parts = threads.share_rows(rows, ROWS_PER_THREAD, |rows| nearness.pairs_of(rows));
             self.pairs.clear();
             self.pairs.extend(parts.into_iter().flatten());
             self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), slack);

@@ -91,7 +91,7 @@ impl SurfaceIndex {
         if let Some(side) = self.side {
             let own = found.len();
             let range @ [lowest, highest] = cells(side, low, high);
-            // The way of a grain from afar may meet more cells than there are.
+            // A grain may come from so far that its way meets more cells than the grid has.
             if usize::try_from(count(range)).is_ok_and(|cells| cells <= self.by_cell.len()) {
                 each_cell(range, |cell| found.extend(self.by_cell.get(&cell).into_iter().flatten()));
             } else {
@@ -148,7 +148,7 @@ mod tests {
         fn every_surface_within_reach_is_found(
             corners in prop::collection::vec(((-1.0..1.0, -1.0..1.0, -1.0..1.0), 0.001..0.9), 40..80),
             x in (-1.2..1.2, -1.2..1.2, -1.2..1.2),
-            reach in 0.01..0.2,
+            reach in prop_oneof![0.01..0.2, 1.0..1e300],
         ) {
             let wall = |((x, y, z), size): ((f64, f64, f64), f64)| {
                 let a = Solid::new(x, y, z);
