@@ -19,6 +19,7 @@ pub mod integrate;
 pub(crate) mod lanes;
 pub mod math;
 pub mod messages;
+mod nearly_sorted;
 pub mod neighbours;
 pub mod outcome;
 pub mod particle;

@@ -13,6 +13,7 @@ mod block;
 mod cursor;
 pub(crate) mod losses;
 pub mod remembered;
+mod renumbering;
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -97,38 +98,6 @@ impl History {
     pub fn blocks_mut<V: Space>(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock], &mut [HistoryBlock]) {
         (resized(&mut self.pair_blocks, store), resized(&mut self.wall_blocks, store))
     }
-
-    /// Moves memories to the slots that a renumbering of `store` has just assigned.
-    pub(super) fn move_to_new_slots<V: Space>(&mut self, store: &ParticleStore<V>, layout: &MemoryLayout) {
-        if self.pair_blocks.iter().chain(&self.wall_blocks).all(HistoryBlock::is_empty) {
-            return;
-        }
-        let mut slots = vec![None; self.pair_blocks.len() * BLOCK];
-        for (slot, former) in (0u32..).zip(&store.former) {
-            if let Some(entry) = slots.get_mut(former.index()) {
-                *entry = Some(slot);
-            }
-        }
-        let new_slot = |old: usize| slots.get(old).copied().flatten();
-        let mut pairs = Vec::new();
-        for (contact, mut memory) in self.pair_blocks.iter().flat_map(HistoryBlock::all) {
-            if let [Some(i), Some(j)] = contact.slots().map(new_slot) {
-                if i > j {
-                    memory = layout.seen_from_partner(&memory);
-                }
-                pairs.push((Candidate::of_slots(i, j), memory));
-            }
-        }
-        let on_walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
-        let walls: Vec<_> = on_walls
-            .filter_map(|(contact, memory)| {
-                let wall = u32::try_from(contact.partner()).ok()?;
-                Some((Candidate::new(new_slot(contact.row())?, wall), memory))
-            })
-            .collect();
-        rewrite(&mut self.pair_blocks, store, &pairs, layout);
-        rewrite(&mut self.wall_blocks, store, &walls, layout);
-    }
 }
 
 /// A reader of memories in ascending order of contacts, faster than [`History::of_pair`] and [`History::of_wall`].
@@ -160,23 +129,6 @@ fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock>, store: &ParticleStor
     blocks
 }
 
-/// Rewrites all blocks for the particles of `store`, with `contacts`.
-fn rewrite<V: Space>(
-    blocks: &mut Vec<HistoryBlock>,
-    store: &ParticleStore<V>,
-    contacts: &[(Candidate, Memory)],
-    layout: &MemoryLayout,
-) {
-    // The sort moves numbers of memories, because memories are long. Most contacts keep their order, and the stable sort is fast on sorted runs.
-    let mut order: Vec<_> = contacts.iter().enumerate().map(|(number, (contact, _))| (*contact, number)).collect();
-    order.sort_by_key(|(contact, _)| *contact);
-    let blocks = resized(blocks, store);
-    blocks.iter_mut().for_each(HistoryBlock::clear);
-    for (contact, number) in order {
-        blocks[contact.row() / BLOCK].push(layout, contact, &contacts[number].1);
-    }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -184,6 +136,7 @@ pub(super) mod tests {
     use crate::particle::GrainId;
     use crate::space::Plane;
     use crate::store::{Body, Slot};
+    use crate::threads::Threads;
 
     /// A vector that changes its sign: a tangential spring.
     pub const SPRINGS: &MemoryLayout =
@@ -252,7 +205,7 @@ pub(super) mod tests {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
         let before = store(&old, &[]);
         let mut history = History::default();
-        history.move_to_new_slots(&before, SPRINGS);
+        history.move_to_new_slots(&before, SPRINGS, &Threads::one());
         for (contact, spring) in [([1, 0], 0.1), ([1024, 1023], 2.5), ([1501, 1500], 5.2), ([2999, 1], 1.5)] {
             history.blocks_mut(&before).0[contact[0] as usize / BLOCK].push(SPRINGS, contact.into(), &memory(spring));
         }
@@ -261,7 +214,7 @@ pub(super) mod tests {
         // one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = store(&new, &old);
-        history.move_to_new_slots(&after, SPRINGS);
+        history.move_to_new_slots(&after, SPRINGS, &Threads::one());
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.numbers[0]);
         assert_eq!(spring(10, 29990), Some(-1.5));

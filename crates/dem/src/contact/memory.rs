@@ -145,12 +145,18 @@ impl MemoryLayout {
         Self { variables, count, odd, keeps_existence }
     }
 
+    /// Whether number `at` has the opposite sign seen from the other particle.
+    #[must_use]
+    pub const fn is_odd(&self, at: usize) -> bool {
+        self.odd >> at & 1 == 1
+    }
+
     /// Returns a memory as seen from the other particle.
     #[must_use]
     pub fn seen_from_partner(&self, memory: &Memory) -> Memory {
         let mut turned = *memory;
         for (at, number) in turned.numbers.iter_mut().enumerate() {
-            if self.odd >> at & 1 == 1 {
+            if self.is_odd(at) {
                 *number = -*number;
             }
         }

@@ -81,8 +81,13 @@ fn contact_forces<V: Space>(
 }
 
 /// Moves memories to the new slots of their particles after a renumbering.
-fn move_memories<V: Space>(law: Res<AnyLaw<V>>, store: Res<ParticleStore<V>>, mut history: ResMut<History>) {
-    history.move_to_new_slots(&store, &law.0.needs().memory.unwrap_or_default());
+fn move_memories<V: Space>(
+    law: Res<AnyLaw<V>>,
+    store: Res<ParticleStore<V>>,
+    threads: Res<Threads>,
+    mut history: ResMut<History>,
+) {
+    history.move_to_new_slots(&store, &law.0.needs().memory.unwrap_or_default(), &threads);
 }
 
 /// Memories of contacts that exist at the start of a run.

@@ -16,6 +16,8 @@
 //!
 //! Cell numbers are kept modulo 2^32, in 32 bits. So a search may also find a particle 2^32 cells away, which is too far to touch.
 
+use std::ops::Range;
+
 use crate::neighbours::list::PairList;
 use crate::neighbours::range::contact_range;
 use crate::outcome::Failure;
@@ -31,6 +33,25 @@ const MOST_ACROSS: i64 = 1 << 30;
 
 /// Cell number along x, and the row of cells.
 type Cell<V> = (i32, <V as Space>::Row);
+
+/// Cells of a row beside that of a cell: of the row that is `away` from it, and along x between `from` and `to`.
+struct Span<V: Space> {
+    away: V::Row,
+    from: i32,
+    to: i32,
+}
+
+/// Entries of consecutive cells.
+pub(super) struct Entries<V: Space> {
+    /// Their places among all entries.
+    pub(super) places: Range<usize>,
+    /// The row of the cells.
+    row: V::Row,
+    /// The first cell along x.
+    from: i32,
+    /// The number of the cells less one.
+    cells: u32,
+}
 
 /// Particles sorted by cell.
 pub struct Cells<V: Space> {
@@ -148,23 +169,68 @@ impl<V: Space> Cells<V> {
     }
 
     #[inline]
-    fn around_cell(&self, (x, row): Cell<V>, reach: i32, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
-        for away in V::rows(reach) {
-            let Some(row) = self.row_at(row, away, reach) else { continue };
+    fn around_cell(&self, cell: Cell<V>, reach: i32, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
+        let visit = |entries: Entries<V>| {
+            for &j in &self.entries[entries.places.clone()] {
+                // Rejected particles skip the lookup of their cell.
+                if wants(j) && self.have(&entries, j) {
+                    visit(j);
+                }
+            }
+        };
+        self.visit_spans(V::rows(reach).map(|away| Span { away, from: -reach, to: reach }), cell, visit);
+    }
+
+    /// Calls `visit` with the entries of the cells at most `reach` cells away from the cell of particle `i`. If `halves`, cells before its own
+    /// are left out: those of earlier rows, and earlier ones of its own row. So each of two cells side by side is visited from one of them. The box must be
+    /// [wide enough](Self::can_be_halved).
+    ///
+    /// Each particle of the cells is once among entries that [have](Self::have) it.
+    #[inline]
+    pub(super) fn entries_around(&self, i: usize, reach: u8, halves: bool, visit: impl FnMut(Entries<V>)) {
+        let reach = i32::from(reach);
+        let own = V::origin_row();
+        let span = |away| Span { away, from: if halves && away == own { 0 } else { -reach }, to: reach };
+        let rows = V::rows(reach).skip_while(|&away| halves && away != own);
+        self.visit_spans(rows.map(span), self.cell[i], visit);
+    }
+
+    /// Whether cells at most one cell away are different cells on both sides of each cell.
+    pub(super) fn can_be_halved(&self) -> bool {
+        self.span.iter().all(|&span| span == 0 || span >= 3)
+    }
+
+    /// Whether two particles are in one cell.
+    #[inline]
+    pub(super) fn share_cell(&self, i: usize, j: usize) -> bool {
+        self.cell[i] == self.cell[j]
+    }
+
+    /// Returns the slots of all particles, sorted by cell.
+    #[inline]
+    pub(super) fn entries(&self) -> &[u32] {
+        &self.entries
+    }
+
+    /// Calls `visit` with the entries of the cells in `spans` beside a cell.
+    #[inline]
+    fn visit_spans(&self, spans: impl Iterator<Item = Span<V>>, (x, row): Cell<V>, mut visit: impl FnMut(Entries<V>)) {
+        for Span { away, from, to } in spans {
+            let Some(row) = self.row_at(row, away, to) else { continue };
             let span = self.span[0];
             if span == 0 {
-                self.visit_row(row, x.wrapping_sub(reach), x.wrapping_add(reach), &wants, &mut visit);
-            } else if 2 * reach + 1 >= span {
-                self.visit_row(row, 0, span - 1, &wants, &mut visit);
+                self.visit_row(row, x.wrapping_add(from), x.wrapping_add(to), &mut visit);
+            } else if to - from + 1 >= span {
+                self.visit_row(row, 0, span - 1, &mut visit);
             } else {
-                let from = x - reach;
-                let to = x + reach;
-                self.visit_row(row, from.max(0), to.min(span - 1), &wants, &mut visit);
+                let from = x + from;
+                let to = x + to;
+                self.visit_row(row, from.max(0), to.min(span - 1), &mut visit);
                 if from < 0 {
-                    self.visit_row(row, from + span, span - 1, &wants, &mut visit);
+                    self.visit_row(row, from + span, span - 1, &mut visit);
                 }
                 if to >= span {
-                    self.visit_row(row, 0, to - span, &wants, &mut visit);
+                    self.visit_row(row, 0, to - span, &mut visit);
                 }
             }
         }
@@ -192,26 +258,27 @@ impl<V: Space> Cells<V> {
         (!is_image).then_some(wanted)
     }
 
-    /// Visits the cells `from` to `to` of a row. Their buckets are adjacent, and may continue at the start of the
+    /// Visits the entries of the cells `from` to `to` of a row. Their buckets are adjacent, and may continue at the start of the
     /// table.
     #[inline(always)]
-    fn visit_row(&self, row: V::Row, from: i32, to: i32, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
+    fn visit_row(&self, row: V::Row, from: i32, to: i32, visit: &mut impl FnMut(Entries<V>)) {
         let buckets = self.starts.len() - 1;
         let cells = to.wrapping_sub(from).cast_unsigned();
         let first = bucket::<V>((from, row), buckets);
         let end = first + cells as usize + 1;
         for (first, end) in [(first, end.min(buckets)), (0, end.saturating_sub(buckets).min(first))] {
-            for &j in &self.entries[self.starts[first] as usize..self.starts[end] as usize] {
-                // Rejected particles skip the lookup of their cell.
-                if !wants(j) {
-                    continue;
-                }
-                let (at, line) = self.cell[j as usize];
-                if line == row && at.wrapping_sub(from).cast_unsigned() <= cells {
-                    visit(j);
-                }
+            let places = self.starts[first] as usize..self.starts[end] as usize;
+            if !places.is_empty() {
+                visit(Entries { places, row, from, cells });
             }
         }
+    }
+
+    /// Returns whether a particle among `entries` is in their cells. Particles of other cells share their buckets.
+    #[inline(always)]
+    pub(super) fn have(&self, entries: &Entries<V>, j: u32) -> bool {
+        let (at, row) = self.cell[j as usize];
+        row == entries.row && at.wrapping_sub(entries.from).cast_unsigned() <= entries.cells
     }
 }
 

@@ -12,6 +12,7 @@ mod marks;
 use std::ops::Range;
 
 use self::marks::Marks;
+use crate::nearly_sorted::sort_into;
 
 /// Rows of a block. A force pass processes one block at a time, on any number of threads.
 pub const BLOCK: usize = 128;
@@ -103,12 +104,7 @@ impl PairList {
             self.starts[row + 1] += self.starts[row];
         }
         let count = self.starts[rows] as usize;
-        self.pairs.clear();
-        if count > self.pairs.capacity() {
-            // The number of candidates changes little. A vector that grows by itself would double, and keep its old memory meanwhile.
-            self.pairs = Vec::new();
-            self.pairs.reserve_exact(count + count / 16);
-        }
+        self.make_room(count);
         self.pairs.resize(count, Candidate::default());
         // Filling moves each start to the start of the next row.
         pairs.for_each(|pair| {
@@ -124,6 +120,22 @@ impl PairList {
                 row.sort_unstable();
             }
             start = end as usize;
+        }
+    }
+
+    /// Replaces the list by the pairs of `parts`, nearly all of them in ascending order. The new list has no marks.
+    pub(super) fn replace(&mut self, parts: &[Vec<Candidate>]) {
+        self.make_room(parts.iter().map(Vec::len).sum());
+        sort_into(&mut self.pairs, parts.iter().flatten().map(|pair| pair.unmarked()), |pair| *pair);
+    }
+
+    /// Empties the list and reserves memory for `count` pairs.
+    fn make_room(&mut self, count: usize) {
+        self.pairs.clear();
+        if count > self.pairs.capacity() {
+            // The number of candidates changes little. A vector that grows by itself would double, and keep its old memory meanwhile.
+            self.pairs = Vec::new();
+            self.pairs.reserve_exact(count + count / 16);
         }
     }
 

@@ -125,10 +125,11 @@ impl<V: Space> Search<V> {
                 true
             }
             Method::VerletList(list) => {
-                let is_whole = !renumbered || (is_next && list.apply_renumbering(store, &mut self.list, dt));
+                let is_whole = !renumbered || (is_next && list.apply_renumbering(store, &mut self.list, dt, threads));
                 let exhausted = if is_whole { list.exhausted(store, threads) } else { Vec::new() };
                 renewed_some = !exhausted.is_empty();
-                let stale = !is_whole || (renewed_some && !list.renew_particles(store, &mut self.list, &exhausted, dt));
+                let stale = !is_whole
+                    || (renewed_some && !list.renew_particles(store, &mut self.list, &exhausted, dt, threads));
                 if stale {
                     list.renew(store, &mut self.list, dt, threads);
                 }

@@ -9,6 +9,7 @@ use bevy_ecs::query::QueryData;
 use rustc_hash::FxHashMap;
 
 use crate::bodies::{Orientation, RigidShape, Shape, ShapeSphere};
+use crate::nearly_sorted::sort_into;
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::space::{Rotor, Space};
 use crate::spin::{Inertia, Spin, Torque};
@@ -291,9 +292,8 @@ impl<V: Space> ParticleStore<V> {
             let place = self.order.place(position);
             SlotTaker { key: SlotKey::new(kind, place, id, number), source }
         });
-        let mut takers: Vec<_> = Vec::with_capacity(self.len() + entering.len());
-        takers.extend(known.chain(new));
-        takers.sort_unstable_by_key(|taker| taker.key);
+        let mut takers = Vec::with_capacity(self.len() + entering.len());
+        sort_into(&mut takers, known.chain(new), |taker| taker.key);
         takers
     }
 

@@ -29,6 +29,17 @@ pub struct HistoryBlock {
     pub(super) touching: u32,
 }
 
+/// A contact in its new slots, and where its memory was.
+pub(super) struct Moved {
+    pub(super) contact: Candidate,
+    /// Number of the former block.
+    pub(super) block: u32,
+    /// Place in that block.
+    pub(super) at: u32,
+    /// Whether the particle that had the lower slot has the higher one now.
+    pub(super) is_turned: bool,
+}
+
 impl HistoryBlock {
     /// Makes this block a copy of the first `first` contacts of `earlier`. Reserves space for slightly more contacts
     /// than `earlier` has: growth by doubling would take twice the memory.
@@ -48,6 +59,30 @@ impl HistoryBlock {
         if layout.keeps_existence {
             copy_front(&mut self.exists, &earlier.exists, first);
         }
+    }
+
+    /// Returns a block of moved contacts, ascending, each with its former block.
+    pub(super) fn of_moved<'a>(
+        layout: &MemoryLayout,
+        moved: impl ExactSizeIterator<Item = (&'a Moved, &'a Self)> + Clone,
+    ) -> Self {
+        // Slightly more than there are, as in `copy_front`.
+        fn column<T>(rows: impl ExactSizeIterator<Item = T>) -> Vec<T> {
+            let mut column = Vec::with_capacity(rows.len() + rows.len() / 16);
+            column.extend(rows);
+            column
+        }
+        let mut block = Self { contacts: column(moved.clone().map(|(moved, _)| moved.contact)), ..Self::default() };
+        for (number, numbers) in block.numbers.iter_mut().enumerate().take(layout.count) {
+            *numbers = column(moved.clone().map(|(moved, former)| {
+                let before = former.numbers[number][moved.at as usize];
+                if moved.is_turned && layout.is_odd(number) { -before } else { before }
+            }));
+        }
+        if layout.keeps_existence {
+            block.exists = column(moved.map(|(moved, former)| former.exists[moved.at as usize]));
+        }
+        block
     }
 
     /// Whether the block is one that a pass of this scene can have left. Its contacts must belong to the rows `own`, be ascending without a
@@ -171,7 +206,7 @@ impl HistoryBlock {
     #[inline]
     pub(super) fn read(&self, layout: &MemoryLayout, contacts: Range<usize>, memories: &mut MemoryLanes) {
         for (numbers, column) in memories.numbers.iter_mut().zip(&self.numbers).take(layout.count) {
-            numbers[..contacts.len()].copy_from_slice(&column[contacts.clone()]);
+            copy(&mut numbers[..contacts.len()], &column[contacts.clone()]);
         }
         if layout.keeps_existence {
             for (lane, exists) in self.exists[contacts].iter().enumerate() {
@@ -201,7 +236,7 @@ impl HistoryBlock {
     #[inline]
     pub(super) fn write(&mut self, layout: &MemoryLayout, contacts: Range<usize>, memories: &MemoryLanes) {
         for (column, numbers) in self.numbers.iter_mut().zip(&memories.numbers).take(layout.count) {
-            column[contacts.clone()].copy_from_slice(&numbers[..contacts.len()]);
+            copy(&mut column[contacts.clone()], &numbers[..contacts.len()]);
         }
         if layout.keeps_existence {
             for (lane, exists) in self.exists[contacts].iter_mut().enumerate() {
@@ -242,5 +277,14 @@ impl HistoryBlock {
     /// Returns every contact with its memory.
     pub(super) fn all(&self) -> impl Iterator<Item = (Candidate, Memory)> {
         self.contacts.iter().enumerate().map(|(at, &contact)| (contact, self.memory(at)))
+    }
+}
+
+/// Copies numbers. A full batch of lanes takes a few instructions in place of a call.
+#[inline]
+fn copy(to: &mut [f64], from: &[f64]) {
+    match (to.as_mut_array::<LANES>(), from.as_array::<LANES>()) {
+        (Some(to), Some(from)) => *to = *from,
+        _ => to.copy_from_slice(from),
     }
 }

@@ -31,10 +31,10 @@ use std::io;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::contact::history::{History, HistoryBlock, rewrite};
+use crate::contact::history::{History, HistoryBlock, resized};
 use crate::contact::memory::{Memory, MemoryLayout};
 use crate::contact::spring_memory;
-use crate::neighbours::list::Candidate;
+use crate::neighbours::list::{BLOCK, Candidate};
 use crate::particle::GrainId;
 use crate::space::{Plane, Solid, Space};
 use crate::store::ParticleStore;
@@ -318,7 +318,11 @@ impl History {
             // A contact that occurs twice keeps its first row.
             contacts.sort_by_key(|(contact, _)| *contact);
             contacts.dedup_by_key(|(contact, _)| *contact);
-            rewrite(blocks, store, &contacts, layout);
+            let blocks = resized(blocks, store);
+            blocks.iter_mut().for_each(HistoryBlock::clear);
+            for (contact, memory) in contacts {
+                blocks[contact.row() / BLOCK].push(layout, contact, &memory);
+            }
         }
     }
 }

@@ -20,6 +20,30 @@ impl<V: Space> Anchor<V> {
     }
 }
 
+/// A ball around an anchor. Two particles belong on the list if their balls meet.
+#[derive(Clone, Copy)]
+pub(super) struct Ball<V> {
+    /// Centre, m.
+    centre: V,
+    /// Radius of the particle plus its allowance, m.
+    radius: f64,
+}
+
+impl<V: Space> Ball<V> {
+    /// Whether two balls in the space of `store` meet.
+    #[inline(always)]
+    pub(super) fn meets(&self, other: &Self, store: &ParticleStore<V>) -> bool {
+        let reach = self.radius + other.radius;
+        store.separation(self.centre, other.centre).length_squared() < reach * reach
+    }
+}
+
+/// Whether a pair may be on a list, wherever the two are: not two fixed particles, or two spheres of one body.
+#[inline]
+pub(super) fn may_be_listed<V: Space>(store: &ParticleStore<V>, i: usize, j: usize) -> bool {
+    !(store.is_fixed(i) && store.is_fixed(j)) && store.can_touch(i, j)
+}
+
 /// The anchors of all particles.
 pub(super) struct Anchors<V: Space> {
     /// Skin, m.
@@ -38,11 +62,13 @@ impl<V: Space> Anchors<V> {
     /// Returns whether a pair belongs on the list.
     #[inline]
     pub(super) fn are_near(&self, store: &ParticleStore<V>, i: usize, j: usize) -> bool {
-        let one = &self.all[i];
-        let other = &self.all[j];
-        let reach = store.body[i].radius + store.body[j].radius + one.allowance + other.allowance;
-        store.separation(one.position, other.position).length_squared() < reach * reach
-            && !(store.is_fixed(i) && store.is_fixed(j))
-            && store.can_touch(i, j)
+        self.ball(store, i).meets(&self.ball(store, j), store) && may_be_listed(store, i, j)
+    }
+
+    /// Returns the ball in which the surface of particle `i` stays until it has used up its allowance.
+    #[inline]
+    pub(super) fn ball(&self, store: &ParticleStore<V>, i: usize) -> Ball<V> {
+        let Anchor { position, allowance } = self.all[i];
+        Ball { centre: position, radius: store.body[i].radius + allowance }
     }
 }

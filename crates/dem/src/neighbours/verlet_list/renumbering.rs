@@ -5,12 +5,19 @@
 //! ([`ParticleStore::same_before`]), are dropped. All other particles keep their allowances. Each newcomer gets a new
 //! allowance and is tested against all particles. Each particle that used up its allowance is treated likewise.
 
+use std::ops::Range;
+
 use crate::displacement_trigger::DisplacementTrigger;
+use crate::neighbours::ROWS_PER_THREAD;
 use crate::neighbours::list::{Candidate, PairList};
 use crate::neighbours::verlet_list::VerletList;
 use crate::neighbours::verlet_list::anchors::Anchor;
 use crate::space::Space;
 use crate::store::{ParticleStore, Slot};
+use crate::threads::Threads;
+
+/// Fewest pairs of a thread.
+const PAIRS_PER_THREAD: usize = 8 * ROWS_PER_THREAD;
 
 /// Largest number of particles that are updated singly. In `silo1` a search takes as many instructions as some hundred
 /// tests of one particle against all others, and it renews all allowances.
@@ -24,6 +31,7 @@ impl<V: Space> VerletList<V> {
         store: &ParticleStore<V>,
         list: &mut PairList,
         dt: f64,
+        threads: &Threads,
     ) -> bool {
         let former: Vec<_> = (0..store.len()).map(|i| store.same_before(i)).collect();
         let entries = || (0u32..).zip(&former);
@@ -38,16 +46,16 @@ impl<V: Space> VerletList<V> {
                 *place = Some(i);
             }
         }
-        let kept = list.pairs().iter().filter_map(|pair| match pair.slots().map(|former| places[former]) {
+        let moved = |pair: &Candidate| match pair.slots().map(|former| places[former]) {
             [Some(i), Some(j)] => Some(Candidate::of_slots(i, j)),
             _ => None,
-        });
-        let kept = kept.collect();
+        };
+        let kept = chosen_pairs(list.pairs(), threads, moved);
         let anchors = former.iter().zip(&store.body);
         let anchors =
             anchors.map(|(former, body)| known(former).copied().unwrap_or(Anchor::of(body, self.anchors.skin, dt)));
         self.anchors.all = anchors.collect();
-        self.add_pairs_of(store, list, kept, &newcomers);
+        self.add_pairs_of(store, list, kept, &newcomers, threads);
         true
     }
 
@@ -59,6 +67,7 @@ impl<V: Space> VerletList<V> {
         list: &mut PairList,
         exhausted: &[u32],
         dt: f64,
+        threads: &Threads,
     ) -> bool {
         if exhausted.len() > MAX_UPDATES {
             return false;
@@ -68,28 +77,47 @@ impl<V: Space> VerletList<V> {
             is_exhausted[i] = true;
             self.anchors.all[i] = Anchor::of(&store.body[i], self.anchors.skin, dt);
         }
-        let others = list.pairs().iter().filter(|pair| !pair.slots().iter().any(|&i| is_exhausted[i]));
-        let others = others.copied().collect();
-        self.add_pairs_of(store, list, others, exhausted);
+        let of_others = |pair: &Candidate| (!pair.slots().iter().any(|&i| is_exhausted[i])).then_some(*pair);
+        let others = chosen_pairs(list.pairs(), threads, of_others);
+        self.add_pairs_of(store, list, others, exhausted, threads);
         true
     }
 
-    /// Adds the pairs of `newcomers` to `pairs` and makes them the list. The anchors of newcomers must be set.
+    /// Makes `pairs` and the pairs of `newcomers` the list. The anchors of newcomers must be set.
     fn add_pairs_of(
         &mut self,
         store: &ParticleStore<V>,
         list: &mut PairList,
-        mut pairs: Vec<Candidate>,
+        mut pairs: Vec<Vec<Candidate>>,
         newcomers: &[u32],
+        threads: &Threads,
     ) {
-        for (position, &new) in newcomers.iter().enumerate() {
-            let near = (0u32..).take(store.len()).filter(|&j| self.anchors.are_near(store, new as usize, j as usize));
+        let anchors = &self.anchors;
+        let partners = |(position, &new): (usize, &u32), rows: Range<usize>| {
+            let near = rows.filter(|&j| anchors.are_near(store, new as usize, j)).filter_map(|j| u32::try_from(j).ok());
             let near = near.filter(|j| !newcomers[..=position].contains(j));
-            pairs.extend(near.map(|j| Candidate::of_slots(new, j)));
-        }
-        list.fill(pairs.into_iter(), store.len());
+            near.map(|j| Candidate::of_slots(new, j)).collect::<Vec<_>>()
+        };
+        let added = threads.share_rows(0..store.len(), ROWS_PER_THREAD, |rows| {
+            newcomers.iter().enumerate().flat_map(|newcomer| partners(newcomer, rows.clone())).collect::<Vec<_>>()
+        });
+        pairs.extend(added);
+        list.replace(&pairs);
         self.trigger = DisplacementTrigger::default();
     }
+}
+
+/// Returns the results of `choose` for all pairs, in their order, in parts.
+fn chosen_pairs(
+    pairs: &[Candidate],
+    threads: &Threads,
+    choose: impl Fn(&Candidate) -> Option<Candidate> + Sync,
+) -> Vec<Vec<Candidate>> {
+    threads.share_rows(0..pairs.len(), PAIRS_PER_THREAD, |part| {
+        let mut chosen = Vec::with_capacity(part.len());
+        chosen.extend(pairs[part].iter().filter_map(&choose));
+        chosen
+    })
 }
 
 #[cfg(test)]
@@ -98,7 +126,6 @@ mod tests {
     use crate::particle::GrainId;
     use crate::space::Plane;
     use crate::store::Body;
-    use crate::threads::Threads;
     use proptest::prelude::*;
 
     const SKIN: f64 = 0.1;
@@ -145,7 +172,7 @@ mod tests {
             let places: Vec<_> = former.iter().map_while(place).collect();
             let fixed = places.len() - free;
             let after = store(&places, fixed, former);
-            prop_assert!(verlet.apply_renumbering(&after, &mut list, 1e-3));
+            prop_assert!(verlet.apply_renumbering(&after, &mut list, 1e-3, &Threads::one()));
             prop_assert!(verlet.exhausted(&after, &Threads::one()).is_empty());
             let mut whole = PairList::default();
             VerletList::new(SKIN).renew(&after, &mut whole, 1e-3, &Threads::one());
@@ -174,7 +201,7 @@ mod tests {
                 after.body[i].position += Plane::new(x, y);
             }
             let exhausted = verlet.exhausted(&after, &Threads::one());
-            prop_assert!(exhausted.is_empty() || verlet.renew_particles(&after, &mut list, &exhausted, 1e-3));
+            prop_assert!(exhausted.is_empty() || verlet.renew_particles(&after, &mut list, &exhausted, 1e-3, &Threads::one()));
             prop_assert!(verlet.exhausted(&after, &Threads::one()).is_empty());
             prop_assert!(list.pairs().is_sorted_by(|one, next| one < next));
             for j in 0..30 {
@@ -193,8 +220,8 @@ mod tests {
         let mut list = PairList::default();
         let few = store(&places[..MAX_UPDATES], 0, vec![Slot::default(); MAX_UPDATES]);
         let many = store(&places, 0, vec![Slot::default(); 20]);
-        assert!(verlet.apply_renumbering(&few, &mut list, 1e-3) && !list.pairs().is_empty());
-        assert!(!verlet.apply_renumbering(&many, &mut list, 1e-3));
-        assert!(!verlet.renew_particles(&many, &mut list, &(0..17).collect::<Vec<_>>(), 1e-3));
+        assert!(verlet.apply_renumbering(&few, &mut list, 1e-3, &Threads::one()) && !list.pairs().is_empty());
+        assert!(!verlet.apply_renumbering(&many, &mut list, 1e-3, &Threads::one()));
+        assert!(!verlet.renew_particles(&many, &mut list, &(0..17).collect::<Vec<_>>(), 1e-3, &Threads::one()));
     }
 }
