@@ -131,6 +131,8 @@ fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock>, store: &ParticleStor
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::num::NonZeroUsize;
+
     use super::*;
     use crate::contact::memory::{MemoryVariable, Parity};
     use crate::particle::GrainId;
@@ -214,7 +216,8 @@ pub(super) mod tests {
         // one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = store(&new, &old);
-        history.move_to_new_slots(&after, SPRINGS, &Threads::one());
+        let three = Threads::new(const { NonZeroUsize::new(3).unwrap() }).unwrap();
+        history.move_to_new_slots(&after, SPRINGS, &three);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.numbers[0]);
         assert_eq!(spring(10, 29990), Some(-1.5));
